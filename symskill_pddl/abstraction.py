@@ -1,0 +1,163 @@
+"""From poses to atoms: one code for learning and for monitoring.
+
+A `Classifier` is the geometry of one predicate: two independent Gaussians, over the position and over the orientation of a child frame
+in a parent frame. The same Gaussians sample relative poses for recovery.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from symskill_pddl.errors import InputError
+from symskill_pddl.geometry import Array, Pose, frozen, quat_exp, quat_log, quat_multiply, quat_conjugate
+from symskill_pddl.scene import GRIPPER, Scene
+from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Predicate, State
+
+
+@dataclass(frozen=True, eq=False)
+class Classifier:
+    """Where the child frame is, relative to the parent frame, when the predicate holds.
+
+    `parent` is a type name. `child` is a type name or `GRIPPER`. The predicate's arguments are ``(parent object,)`` for a gripper relation
+    (gripper-in-object) and ``(child object, parent object)`` for a relation of two objects (object-at-reference).
+
+    Attributes
+    ----------
+    T_mean : Pose
+        Mean of `T_parent_child`.
+    cov_p, cov_r : ndarray (3, 3)
+        Covariances of the translation, in the parent's axes [m^2], and of the rotation residual ``log(q_mean^-1 q)``, in the
+        mean's tangent space [rad^2].
+    enter_p, enter_r : float
+        Mahalanobis radii within which the predicate becomes true.
+    leave_factor : float
+        Radii times this factor are left before a true predicate becomes false (hysteresis, > 1).
+    free_axis : ndarray (3,) or None
+        A symmetry axis in the child's frame (unit): turning about it does not count.
+    """
+
+    predicate: Predicate
+    child: str
+    parent: str
+    T_mean: Pose
+    cov_p: Array
+    cov_r: Array
+    enter_p: float
+    enter_r: float
+    leave_factor: float = 1.5
+    free_axis: Array | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("cov_p", "cov_r"):
+            cov = frozen(getattr(self, name))
+            if cov.shape != (3, 3) or not np.all(np.linalg.eigvalsh(cov) > 0):
+                raise InputError(f"predicate '{self.predicate.name}': {name} has to be a positive definite (3, 3) matrix")
+            object.__setattr__(self, name, cov)
+            object.__setattr__(self, f"_{name}_inv", frozen(np.linalg.inv(cov)))
+        if not (self.enter_p > 0 and self.enter_r > 0 and self.leave_factor >= 1):
+            raise InputError(f"predicate '{self.predicate.name}': radii must be positive and leave_factor at least 1")
+        if self.free_axis is not None:
+            axis = frozen(self.free_axis)
+            object.__setattr__(self, "free_axis", frozen(axis / np.linalg.norm(axis)))
+
+    def residual(self, T_parent_child: Pose) -> tuple[Array, Array]:
+        """Translation (..., 3) [m] and rotation (..., 3) [rad] away from the mean; the free angle is removed."""
+        q = quat_multiply(quat_conjugate(self.T_mean.q), T_parent_child.q)
+        if self.free_axis is not None:
+            # swing-twist: q = swing * twist about the axis; keep the swing
+            along = q[..., 1:] @ self.free_axis
+            twist = np.concatenate([q[..., :1], along[..., None] * self.free_axis], axis=-1)
+            norm = np.linalg.norm(twist, axis=-1, keepdims=True)
+            twist = np.where(norm < 1e-9, np.array([1.0, 0, 0, 0]), twist / np.where(norm < 1e-9, 1.0, norm))
+            q = quat_multiply(q, quat_conjugate(twist))
+        return T_parent_child.p - self.T_mean.p, quat_log(q)
+
+    def margin(self, T_parent_child: Pose) -> Array:
+        """Signed margin (...): 1 at the mean, 0 on the boundary of entering, negative outside."""
+        dp, dr = self.residual(T_parent_child)
+        p = np.sqrt(np.einsum("...i,ij,...j->...", dp, self._cov_p_inv, dp)) / self.enter_p  # type: ignore[attr-defined]
+        r = np.sqrt(np.einsum("...i,ij,...j->...", dr, self._cov_r_inv, dr)) / self.enter_r  # type: ignore[attr-defined]
+        return np.asarray(1.0 - np.maximum(p, r))
+
+    def holds(self, T_parent_child: Pose, *, before: bool = False) -> bool:
+        """The predicate's value for one pose; `before` is its value at the previous moment (hysteresis)."""
+        return bool(self.margin(T_parent_child) >= (1.0 - self.leave_factor if before else 0.0))
+
+    def sample(self, rng: np.random.Generator, *, radius: float = 1.0) -> Pose:
+        """A relative pose `T_parent_child` drawn from the Gaussians, cut at `radius` times the entering radii."""
+        dp = _truncated(rng, self.cov_p, radius * self.enter_p)
+        dr = _truncated(rng, self.cov_r, radius * self.enter_r)
+        return Pose(self.T_mean.p + dp, quat_multiply(self.T_mean.q, quat_exp(dr)))
+
+
+def _truncated(rng: np.random.Generator, cov: Array, radius: float) -> Array:
+    z = rng.standard_normal(3)
+    norm = float(np.linalg.norm(z))
+    return np.asarray(np.linalg.cholesky(cov) @ (z * min(1.0, radius / max(norm, 1e-12))))
+
+
+@dataclass(frozen=True)
+class GripperRule:
+    """`gripper-open`: the command says open and the aperture exceeds `open_above` [m] (hysteresis down to `open_until`).
+
+    `settled` speeds and objects between the fingers do not matter here: a gripper closed on a wide object is closed by its command.
+    """
+
+    open_above: float = 0.06
+    open_until: float = 0.05
+
+    def holds(self, aperture: float, gripper_closed: bool, *, before: bool = False) -> bool:
+        return not gripper_closed and aperture > (self.open_until if before else self.open_above)
+
+
+def groundings(classifier: Classifier, objects: dict[str, str]) -> Iterator[tuple[Atom, str, str]]:
+    """Every (atom, parent object, child object or 'gripper') that the classifier speaks of."""
+    parents = [o for o, t in objects.items() if t == classifier.parent]
+    if classifier.child == GRIPPER:
+        for parent in parents:
+            yield Atom(classifier.predicate.name, (parent,)), parent, GRIPPER
+    else:
+        children = [o for o, t in objects.items() if t == classifier.child]
+        for child, parent in product(children, parents):
+            if child != parent:
+                yield Atom(classifier.predicate.name, (child, parent)), parent, child
+
+
+def abstract(
+    scene: Scene, classifiers: Iterable[Classifier], *, before: State = frozenset(), gripper: GripperRule | None = None
+) -> State:
+    """The set of true ground atoms of a scene. `before` is the previous state (hysteresis); empty at the start."""
+    state = set()
+    open_atom = Atom(GRIPPER_OPEN)
+    if (gripper or GripperRule()).holds(scene.aperture, scene.gripper_closed, before=open_atom in before):
+        state.add(open_atom)
+    for classifier in classifiers:
+        for atom, parent, child in groundings(classifier, scene.objects):
+            T_parent_child = scene.pose(parent).inverse() @ scene.pose(child)
+            if classifier.holds(T_parent_child, before=atom in before):
+                state.add(atom)
+    return frozenset(state)
+
+
+@dataclass(frozen=True)
+class Debounced:
+    """A state that follows the raw one only after `frames` equal readings of an atom. Immutable: `update` returns the next."""
+
+    state: State = frozenset()
+    frames: int = 2
+    pending: tuple[tuple[Atom, int], ...] = ()
+
+    def update(self, raw: State) -> Debounced:
+        counts = dict(self.pending)
+        state, pending = set(self.state), []
+        for atom in sorted(raw ^ self.state):
+            seen = counts.get(atom, 0) + 1
+            if seen >= self.frames:
+                state ^= {atom}
+            else:
+                pending.append((atom, seen))
+        return Debounced(frozenset(state), self.frames, tuple(pending))
