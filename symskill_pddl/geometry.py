@@ -1,7 +1,7 @@
 """Rigid transforms, one or many at once.
 
-A `Pose` holds a position `p` (..., 3) in metres and a unit quaternion `q` (..., 4) ordered (w, x, y, z). Leading axes are a batch and
-broadcast as in numpy. Tangent vectors are ordered (translation, rotation); rotations are rotation vectors in radians.
+A `Pose` holds a position `p` (..., 3) in metres and a unit quaternion `q` (..., 4) ordered (w, x, y, z). Leading axes are a
+batch and broadcast as in numpy. Tangent vectors are ordered (translation, rotation); rotations are rotation vectors in radians.
 `T_a_b` is the pose of frame b in frame a, so `T_a_c = T_a_b @ T_b_c`.
 """
 
@@ -45,7 +45,7 @@ def quat_multiply(a: ArrayLike, b: ArrayLike) -> Array:
 
 def quat_conjugate(q: ArrayLike) -> Array:
     """Inverse of unit quaternions (..., 4)."""
-    return np.asarray(q, dtype=np.float64) * np.array([1.0, -1.0, -1.0, -1.0])
+    return np.asarray(np.asarray(q, dtype=np.float64) * np.array([1.0, -1.0, -1.0, -1.0]))
 
 
 def quat_rotate(q: ArrayLike, v: ArrayLike) -> Array:
@@ -53,7 +53,7 @@ def quat_rotate(q: ArrayLike, v: ArrayLike) -> Array:
     q, v = np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64)
     w, u = q[..., :1], q[..., 1:]
     t = 2.0 * _cross(u, v)
-    return v + w * t + _cross(u, t)
+    return np.asarray(v + w * t + _cross(u, t))
 
 
 def quat_log(q: ArrayLike) -> Array:

@@ -65,8 +65,8 @@ class Scene:
 class Command:
     """What a world is told for one control period.
 
-    `twist` (6,): linear [m/s] and angular [rad/s] velocity of the end-effector frame, both expressed in world axes, the linear part at the
-    frame's origin. `close_gripper`: the fingers' target state.
+    `twist` (6,): linear [m/s] and angular [rad/s] velocity of the end-effector frame, both in world axes, the linear part at
+    the frame's origin. `close_gripper`: the fingers' target state.
     """
 
     twist: Array

@@ -206,7 +206,8 @@ class Domain:
             if not self.is_a(objects[arg], parameter.type):
                 fitting = alternatives(o for o, t in objects.items() if self.is_a(t, parameter.type))
                 raise InputError(
-                    f"'{op.name}' needs a {parameter.type} for {parameter.name}, '{arg}' is a {objects[arg]}; objects that fit: {fitting}"
+                    f"'{op.name}' needs a {parameter.type} for {parameter.name}, '{arg}' is a {objects[arg]}; "
+                    f"objects that fit: {fitting}"
                 )
         if len(set(args)) != len(args):
             raise InputError(f"'{op.name}' needs a different object for each parameter, got: {' '.join(args)}")
