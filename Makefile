@@ -1,0 +1,66 @@
+# Two commands do everything, set-up included: `make demo` and `make test`.
+# They need python3 (3.11 or newer, with venv), make and bash; no compiler, no graphics library.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+LOCK := requirements/dev.lock
+STAMP := $(VENV)/.installed
+
+# One thread for small linear algebra (more is slower), and no search for a display.
+export OMP_NUM_THREADS := 1
+export MUJOCO_GL := disabled
+
+.PHONY: help install demo test check format lint types contracts examples clean
+
+help:
+	@echo "make demo       install everything into $(VENV) and run the quickstart (writes symskill-out/)"
+	@echo "make test       install everything, then format check, lint, types, import contracts and all tests"
+	@echo "make install    only the installation"
+	@echo "make lint       format check and lint;   make format   rewrite;   make types;   make contracts"
+	@echo "make examples   make domains/ and problems/ again from the shipped demonstrations"
+	@echo "make clean      remove caches and outputs;   rm -r $(VENV) removes the installation"
+
+install: $(STAMP)
+
+$(STAMP): $(LOCK) pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+	    || { echo "symskill needs Python 3.11 or newer; say which with: make PYTHON=python3.12 ..." >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null \
+	    || { echo "Python's venv is missing; on Debian and Ubuntu: apt-get install python3-venv" >&2; exit 1; }
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r $(LOCK)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+demo: install
+	$(BIN)/symskill quickstart
+
+test: lint types contracts
+	$(BIN)/python -m pytest -n 2 --dist worksteal
+
+lint: install
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+
+types: install
+	$(BIN)/mypy
+
+contracts: install
+	$(BIN)/lint-imports
+
+format: install
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+examples: install
+	$(BIN)/python -m symskill_pddl.cli.examples .
+
+clean:
+	rm -rf symskill-out .mypy_cache .ruff_cache .pytest_cache .import_linter_cache build ./*.egg-info
+	find symskill_pddl tests -name __pycache__ -type d -prune -exec rm -rf {} +
