@@ -107,7 +107,8 @@ class Pose:
         if not (np.all(np.isfinite(p)) and np.all(np.isfinite(norm)) and np.all(norm > 1e-9)):
             raise InputError("a pose holds a number that is not finite, or a quaternion of length 0")
         object.__setattr__(self, "p", p)
-        object.__setattr__(self, "q", frozen(q / norm))
+        # a unit quaternion keeps its bits, so that saving and loading gives the same pose
+        object.__setattr__(self, "q", frozen(np.where(np.abs(norm - 1.0) < 1e-14, q, q / norm)))
 
     @classmethod
     def identity(cls) -> Pose:

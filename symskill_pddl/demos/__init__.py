@@ -1,0 +1,6 @@
+"""Demonstrations: the type, its file, and importers of other recordings. h5py and mujoco are imported when first used."""
+
+from symskill_pddl.demos.demo import Demo, merged_extents
+from symskill_pddl.demos.hdf5 import load_demos, save_demos
+
+__all__ = ["Demo", "load_demos", "merged_extents", "save_demos"]

@@ -1,0 +1,175 @@
+"""`Demo`: one recording, a sequence of scenes over a fixed set of objects, unlabelled and unsegmented."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symskill_pddl.errors import InputError, alternatives
+from symskill_pddl.geometry import Array, Pose, frozen
+from symskill_pddl.scene import GRIPPER, Scene
+
+BoolArray = NDArray[np.bool_]
+
+# Names become HDF5 links and, later, PDDL names: no slash, no white space, no control character, and not the link ".".
+_NAME = re.compile(r"(?!\.{1,2}$)[^/\s\x00-\x1f]+")
+
+
+@dataclass(frozen=True, eq=False)
+class Demo:
+    """One demonstration, recorded at a fixed rate (20 Hz by convention); arrays are read-only copies.
+
+    Attributes
+    ----------
+    name : str
+        Name within its file, ``demo_0``.
+    source : str
+        Stem of the file it came from; `source` and `name` together identify a demonstration.
+    task : str
+        What was shown, ``StoreCheese``; learning groups goals by it.
+    times : ndarray (n,)
+        Seconds, strictly increasing, n >= 2.
+    T_world_ee : Pose (n,)
+        End-effector frame: between the finger tips, z along the approach direction, y along the finger opening.
+    aperture : ndarray (n,)
+        Opening between the finger pads [m], not negative.
+    gripper_closed : ndarray of bool (n,)
+        What the fingers are commanded to do.
+    objects : dict of str to str
+        Type of each object, in a fixed order.
+    T_world_objects : Pose (n, n_obj)
+        Poses of the objects, in that order.
+    extents : dict of str to (float, float, float)
+        Half sizes [m] of the bounding box per type, in the object's axes; types may be missing.
+    attributes : dict of str to str, int or float
+        Anything else worth keeping: seed, environment, date.
+
+    Raises
+    ------
+    InputError
+        If lengths disagree, a number is not finite, the times do not increase, there are fewer than two samples, or a name
+        cannot be used.
+    """
+
+    name: str
+    source: str
+    task: str
+    times: Array
+    T_world_ee: Pose
+    aperture: Array
+    gripper_closed: BoolArray
+    objects: dict[str, str]
+    T_world_objects: Pose
+    extents: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    attributes: dict[str, str | int | float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("times", "aperture"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        closed = np.array(self.gripper_closed)
+        if closed.dtype != np.bool_:
+            raise InputError(f"{self.where}: gripper_closed has to be boolean, got {closed.dtype}")
+        closed.setflags(write=False)
+        object.__setattr__(self, "gripper_closed", closed)
+        object.__setattr__(self, "objects", dict(self.objects))
+        object.__setattr__(self, "extents", {t: (float(a), float(b), float(c)) for t, (a, b, c) in self.extents.items()})
+        object.__setattr__(self, "attributes", dict(self.attributes))
+        self._check_names()
+        self._check_arrays()
+
+    def _check_names(self) -> None:
+        for what, text in (
+            ("name", self.name),
+            *(("object name", o) for o in self.objects),
+            *(("type", t) for t in self.objects.values()),
+        ):
+            if not _NAME.fullmatch(text):
+                raise InputError(f"{self.where}: {what} {text!r} is empty or holds a slash or white space")
+        if GRIPPER in self.objects:
+            raise InputError(f"{self.where}: '{GRIPPER}' is the end effector's name, an object must have another one")
+        for type_, half in self.extents.items():
+            if type_ not in self.objects.values():
+                raise InputError(
+                    f"{self.where}: extents of the unknown type '{type_}'; types here: {alternatives(self.objects.values())}"
+                )
+            if not all(np.isfinite(h) and h > 0 for h in half):
+                raise InputError(f"{self.where}: extents of '{type_}' have to be three positive half sizes in metres, got {half}")
+        for key, value in self.attributes.items():
+            if type(value) not in (str, int, float):
+                raise InputError(f"{self.where}: attribute '{key}' has to be a text or a number, got {type(value).__name__}")
+
+    def _check_arrays(self) -> None:
+        n = len(self.times) if self.times.ndim == 1 else 0
+        if n < 2:
+            raise InputError(f"{self.where}: a demonstration needs times (n,) with at least 2 samples, got {self.times.shape}")
+        for name, shape, wanted in (
+            ("aperture", self.aperture.shape, (n,)),
+            ("gripper_closed", self.gripper_closed.shape, (n,)),
+            ("T_world_ee", self.T_world_ee.shape, (n,)),
+            ("T_world_objects", self.T_world_objects.shape, (n, len(self.objects))),
+        ):
+            if shape != wanted:
+                raise InputError(
+                    f"{self.where}: {name} has shape {shape}, {n} times and {len(self.objects)} objects need {wanted}"
+                )
+        for name in ("times", "aperture"):
+            bad = np.flatnonzero(~np.isfinite(getattr(self, name)))
+            if bad.size:
+                raise InputError(f"{self.where}: {name}[{bad[0]}] is not a finite number")
+        back = np.flatnonzero(np.diff(self.times) <= 0)
+        if back.size:
+            i = int(back[0]) + 1
+            raise InputError(
+                f"{self.where}: times have to increase, times[{i}] = {self.times[i]:g} s follows {self.times[i - 1]:g} s"
+            )
+        if np.any(self.aperture < -1e-3):  # encoders of a closed hand read a little below zero
+            raise InputError(f"{self.where}: an aperture is negative ({self.aperture.min():g} m)")
+
+    @property
+    def where(self) -> str:
+        """Identifier for messages and evidence, ``file:demo_0``."""
+        return f"{self.source}:{self.name}"
+
+    @property
+    def duration_s(self) -> float:
+        """Seconds from the first to the last sample."""
+        return float(self.times[-1] - self.times[0])
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def scene(self, i: int) -> Scene:
+        """The moment `i`; negative indices count from the end."""
+        return Scene(
+            time=float(self.times[i]),
+            T_world_ee=self.T_world_ee[i],
+            aperture=float(self.aperture[i]),
+            gripper_closed=bool(self.gripper_closed[i]),
+            objects=self.objects,
+            T_world_objects=self.T_world_objects[i],
+        )
+
+    def pose(self, frame: str) -> Pose:
+        """`T_world_frame` (n,) of an object, or of the end effector under the name 'gripper'."""
+        if frame == GRIPPER:
+            return self.T_world_ee
+        try:
+            return self.T_world_objects[:, list(self.objects).index(frame)]
+        except ValueError:
+            raise InputError(
+                f"{self.where}: unknown object '{frame}'; the demonstration has: {alternatives(self.objects)}"
+            ) from None
+
+
+def merged_extents(demos: tuple[Demo, ...]) -> Mapping[str, tuple[float, float, float]]:
+    """The largest half sizes stated for each type over all demonstrations, types sorted."""
+    merged: dict[str, tuple[float, float, float]] = {}
+    for demo in demos:
+        for type_, half in demo.extents.items():
+            a, b, c = (max(x, y) for x, y in zip(half, merged.get(type_, half), strict=True))
+            merged[type_] = (a, b, c)
+    return dict(sorted(merged.items()))

@@ -1,0 +1,328 @@
+"""Demonstrations on disk: HDF5, laid out as robosuite's and robomimic's users expect.
+
+::
+
+    data                    attributes: format, schema_version, units, quaternion_order, total, checksum
+      demo_0                attributes: task, num_samples, object_order and extents (JSON), and the recorder's own (seed, ...)
+        times          (n,)    s
+        ee_pose        (n, 7)  m and quaternion (w, x, y, z), world frame
+        aperture       (n,)    m
+        gripper_closed (n,)    0 or 1
+        objects
+          <name>       (n, 7)  attribute: type
+
+The same demonstrations give the same bytes: no time stamps, fixed order, fixed library version. `checksum` covers all that is
+read. Nothing is trusted on the way in: every fault becomes one `FormatError` that names the file and the path inside it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import re
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from symskill_pddl.demos.demo import Demo
+from symskill_pddl.errors import FormatError, InputError, alternatives
+from symskill_pddl.files import write_atomic
+from symskill_pddl.geometry import Array, Pose
+
+if TYPE_CHECKING:
+    import h5py
+
+FORMAT = "symskill-demos"
+SCHEMA_VERSION = 1
+_RESERVED = frozenset({"task", "num_samples", "object_order", "extents"})
+_HEADER = {"units": "m, s, rad", "quaternion_order": "wxyz"}
+
+
+def natural_key(name: str) -> tuple[tuple[int, int, str], ...]:
+    """Sort key under which demo_2 comes before demo_10."""
+    return tuple((0, int(part), "") if part.isdigit() else (1, 0, part) for part in re.split(r"(\d+)", name) if part)
+
+
+def save_demos(path: str | Path, demos: Iterable[Demo]) -> None:
+    """Write demonstrations atomically; on any failure the file at `path` is as it was.
+
+    Raises
+    ------
+    InputError
+        If there is none, two share a name, an attribute's name is taken by the format, or the file cannot be written.
+    """
+    demos = sorted(demos, key=lambda demo: natural_key(demo.name))
+    names = [demo.name for demo in demos]
+    if not demos:
+        raise InputError(f"no demonstrations to save in '{path}'")
+    if twice := next((n for n in names if names.count(n) > 1), None):
+        raise InputError(f"two demonstrations are named '{twice}'; names within one file have to differ")
+    for demo in demos:
+        if taken := sorted(_RESERVED & demo.attributes.keys()):
+            raise InputError(f"{demo.where}: the attribute name '{taken[0]}' belongs to the file format; call it something else")
+        if any("\0" in text for text in (demo.task, *map(str, demo.attributes), *map(str, demo.attributes.values()))):
+            raise InputError(f"{demo.where}: a text holds a NUL character, which HDF5 cannot store")
+    write_atomic(path, _encode(demos))
+
+
+def load_demos(path: str | Path) -> tuple[Demo, ...]:
+    """Read demonstrations, sorted by name (demo_2 before demo_10); their `source` is the file's stem.
+
+    Raises
+    ------
+    InputError
+        If the file does not exist.
+    FormatError
+        If it is not HDF5, truncated, damaged, of another format or version, or holds anything but what the layout asks for.
+    """
+    return _Reader(Path(path)).demos()
+
+
+# ---------------------------------------------------------------------------------------------------------------- writing
+
+
+def _encode(demos: list[Demo]) -> bytes:
+    import h5py
+
+    buffer = io.BytesIO()
+    # libver pinned: its metadata blocks carry checksums, and the bytes do not change with the installed HDF5
+    with h5py.File(buffer, "w", libver=("v110", "v110")) as file:
+        data = _group(file, "data")
+        data.attrs["format"] = FORMAT
+        data.attrs["schema_version"] = SCHEMA_VERSION
+        data.attrs.update(_HEADER)
+        data.attrs["total"] = sum(len(demo) for demo in demos)
+        data.attrs["checksum"] = _checksum(demos)
+        for demo in demos:
+            _write_demo(_group(data, demo.name), demo)
+    return buffer.getvalue()
+
+
+def _group(parent: Any, name: str) -> Any:
+    import h5py
+
+    # high-level create_group stamps the time of creation into the header; this does not
+    properties = h5py.h5p.create(h5py.h5p.GROUP_CREATE)
+    properties.set_obj_track_times(False)
+    return h5py.Group(h5py.h5g.create(parent.id, name.encode(), gcpl=properties))
+
+
+def _dataset(parent: Any, name: str, values: Any) -> Any:
+    return parent.create_dataset(
+        name,
+        data=values,
+        track_times=False,
+        chunks=values.shape,
+        compression="gzip",
+        compression_opts=6,
+        shuffle=True,
+        fletcher32=True,
+    )
+
+
+def _write_demo(group: Any, demo: Demo) -> None:
+    group.attrs["task"] = demo.task
+    group.attrs["num_samples"] = len(demo)
+    group.attrs["object_order"] = json.dumps(list(demo.objects))
+    group.attrs["extents"] = json.dumps(demo.extents, sort_keys=True)
+    for key in sorted(demo.attributes):
+        group.attrs[key] = demo.attributes[key]
+    for name, values in _arrays(demo).items():
+        _dataset(group, name, values)
+    objects = _group(group, "objects")
+    poses = demo.T_world_objects.vector()
+    for i, (name, type_) in enumerate(demo.objects.items()):
+        _dataset(objects, name, poses[:, i]).attrs["type"] = type_
+
+
+def _arrays(demo: Demo) -> dict[str, Any]:
+    return {
+        "times": demo.times,
+        "ee_pose": demo.T_world_ee.vector(),
+        "aperture": demo.aperture,
+        "gripper_closed": demo.gripper_closed.astype(np.uint8),
+    }
+
+
+def _checksum(demos: Iterable[Demo]) -> str:
+    """SHA-256 over everything that is read back, in reading order."""
+    digest = hashlib.sha256()
+    for demo in demos:
+        plain = [demo.name, demo.task, list(demo.objects.items()), sorted(demo.extents.items()), sorted(demo.attributes.items())]
+        digest.update(json.dumps(plain).encode())
+        for values in (*_arrays(demo).values(), demo.T_world_objects.vector()):
+            digest.update(np.ascontiguousarray(values).astype(values.dtype.newbyteorder("<")).tobytes())
+    return f"sha256:{digest.hexdigest()}"
+
+
+# ---------------------------------------------------------------------------------------------------------------- reading
+
+
+class _Reader:
+    """Reads one file; knows its name and says it in every message."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def fail(self, inside: str, message: str) -> FormatError:
+        return FormatError(f"'{self.path}': {inside}: {message}")
+
+    def demos(self) -> tuple[Demo, ...]:
+        import h5py
+
+        if not self.path.is_file():
+            what = "is a folder, not a demonstrations file" if self.path.is_dir() else "does not exist"
+            raise InputError(f"'{self.path}' {what}; 'symskill record' and 'symskill import' write one")
+        try:
+            with h5py.File(self.path, "r") as file:
+                return self._demos(file)
+        except (FormatError, InputError):
+            raise
+        except PermissionError as error:
+            raise InputError(f"cannot read '{self.path}': {error.strerror or 'permission denied'}") from error
+        except (OSError, RuntimeError, KeyError, ValueError, TypeError, UnicodeError, OverflowError, MemoryError) as error:
+            # whatever HDF5 finds wrong with the bytes themselves
+            reason = " ".join(str(error).split())[:160]
+            raise FormatError(f"'{self.path}' is not a readable HDF5 file (damaged or truncated): {reason}") from error
+
+    def _demos(self, file: h5py.File) -> tuple[Demo, ...]:
+        import h5py
+
+        data = file.get("data")
+        if not isinstance(data, h5py.Group):
+            raise self.fail("data", f"there is no such group; the file has: {alternatives(map(str, file))}")
+        self._check_header(data)
+        names = sorted(map(str, data), key=natural_key)
+        if not names:
+            raise self.fail("data", "holds no demonstration; expected data/demo_0, ...")
+        demos = tuple(self._demo(data, name) for name in names)
+        stated = data.attrs.get("checksum")
+        if stated is not None and stated != _checksum(demos):
+            raise self.fail("data", "the checksum does not match the content: the file was damaged or edited")
+        return demos
+
+    def _check_header(self, data: h5py.Group) -> None:
+        found = data.attrs.get("format")
+        if found != FORMAT:
+            if found is None and ("env" in data.attrs or "env_args" in data.attrs):
+                raise self.fail("data", "this is a robosuite or robomimic recording; convert it with 'symskill import'")
+            raise self.fail("data", f"attribute 'format' has to be '{FORMAT}', found {found!r}")
+        version = data.attrs.get("schema_version")
+        if version != SCHEMA_VERSION:
+            raise self.fail("data", f"schema_version {version!r} cannot be read, this release reads version {SCHEMA_VERSION}")
+        for key, wanted in _HEADER.items():
+            if data.attrs.get(key) != wanted:
+                raise self.fail("data", f"attribute '{key}' has to be '{wanted}', found {data.attrs.get(key)!r}")
+
+    def _demo(self, data: h5py.Group, name: str) -> Demo:
+        import h5py
+
+        inside, group = f"data/{name}", data[name]
+        if not isinstance(group, h5py.Group):
+            raise self.fail(inside, "has to be a group")
+        times = self._values(group, inside, "times", ())
+        n = len(times)
+        ee = self._poses(group, inside, "ee_pose", n)
+        aperture = self._values(group, inside, "aperture", (), n)
+        closed = self._values(group, inside, "gripper_closed", (), n)
+        if not np.all((closed == 0) | (closed == 1)):
+            raise self.fail(f"{inside}/gripper_closed", "has to hold 0 (open) and 1 (closed) only")
+        objects = group.get("objects")
+        if not isinstance(objects, h5py.Group):
+            raise self.fail(f"{inside}/objects", "there is no such group")
+        order = self._json(
+            group, inside, "object_order", lambda v: isinstance(v, list) and all(isinstance(o, str) for o in v), "a list of names"
+        )
+        if sorted(order) != sorted(map(str, objects)):
+            raise self.fail(
+                f"{inside}/objects",
+                f"object_order names {alternatives(order)}, the group holds {alternatives(map(str, objects))}",
+            )
+        extents = self._json(group, inside, "extents", _is_extents, "half sizes [x, y, z] per type")
+        poses = [self._poses(objects, f"{inside}/objects", o, n) for o in order]
+        types = {o: self._text(objects[o], f"{inside}/objects/{o}", "type") for o in order}
+        stacked = np.stack([T.vector() for T in poses], axis=1) if poses else np.zeros((n, 0, 7))
+        try:
+            return Demo(
+                name=name,
+                source=self.path.stem,
+                task=self._text(group, inside, "task"),
+                times=times,
+                T_world_ee=ee,
+                aperture=aperture,
+                gripper_closed=closed.astype(bool),
+                objects=types,
+                T_world_objects=Pose(stacked[..., :3], stacked[..., 3:]),
+                extents={t: (h[0], h[1], h[2]) for t, h in extents.items()},
+                attributes={str(k): self._scalar(v, inside, str(k)) for k, v in group.attrs.items() if k not in _RESERVED},
+            )
+        except FormatError:
+            raise
+        except InputError as error:
+            raise self.fail(inside, str(error).removeprefix(f"{self.path.stem}:{name}: ")) from None
+
+    def _values(self, group: h5py.Group, inside: str, name: str, row: tuple[int, ...], n: int | None = None) -> Array:
+        """A numeric dataset (n, *row), finite, as float64."""
+        import h5py
+
+        inside = f"{inside}/{name}"
+        dataset = group.get(name)
+        if not isinstance(dataset, h5py.Dataset):
+            raise self.fail(inside, "there is no such dataset")
+        wanted = f"({'n' if n is None else n}{''.join(f', {r}' for r in row) or ','})"
+        if dataset.ndim != 1 + len(row) or dataset.shape[1:] != row or n not in (None, dataset.shape[0]):
+            raise self.fail(inside, f"has shape {dataset.shape}, expected {wanted}")
+        if dataset.dtype.kind not in "fiub":
+            raise self.fail(inside, f"has to hold numbers, found {dataset.dtype}")
+        try:
+            values = np.asarray(dataset[...], dtype=np.float64)
+        except (OSError, RuntimeError) as error:
+            raise self.fail(inside, f"cannot be read, the file is damaged ({' '.join(str(error).split())[:120]})") from error
+        bad = np.argwhere(~np.isfinite(values))
+        if bad.size:
+            raise self.fail(inside, f"holds a number that is not finite, at index {', '.join(map(str, bad[0]))}")
+        return values
+
+    def _poses(self, group: h5py.Group, inside: str, name: str, n: int) -> Pose:
+        values = self._values(group, inside, name, (7,), n)
+        off = np.abs(np.linalg.norm(values[:, 3:], axis=1) - 1.0)
+        if n and off.max() > 1e-3:
+            raise self.fail(
+                f"{inside}/{name}", f"row {int(off.argmax())}: columns 3 to 6 have to be a unit quaternion (w, x, y, z)"
+            )
+        return Pose(values[:, :3], values[:, 3:])
+
+    def _text(self, holder: Any, inside: str, key: str) -> str:
+        value = self._scalar(holder.attrs.get(key), inside, key)
+        if not isinstance(value, str):
+            raise self.fail(inside, f"attribute '{key}' has to be a text, found {value!r}")
+        return value
+
+    def _scalar(self, value: Any, inside: str, key: str) -> str | int | float:
+        if isinstance(value, bytes):
+            value = value.decode("utf-8")
+        if isinstance(value, np.integer):
+            return int(value)
+        if isinstance(value, np.floating):
+            return float(value)
+        if isinstance(value, str):
+            return str(value)
+        raise self.fail(inside, f"attribute '{key}' has to be a text or a number, found {value!r}")
+
+    def _json(self, group: h5py.Group, inside: str, key: str, valid: Callable[[Any], bool], wanted: str) -> Any:
+        try:
+            value = json.loads(self._text(group, inside, key))
+        except json.JSONDecodeError:
+            value = None
+        if not valid(value):
+            raise self.fail(inside, f"attribute '{key}' has to be JSON: {wanted}")
+        return value
+
+
+def _is_extents(value: Any) -> bool:
+    return isinstance(value, dict) and all(
+        isinstance(half, list) and len(half) == 3 and all(isinstance(h, int | float) for h in half) for half in value.values()
+    )
