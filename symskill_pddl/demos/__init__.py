@@ -2,5 +2,6 @@
 
 from symskill_pddl.demos.demo import Demo, merged_extents
 from symskill_pddl.demos.hdf5 import load_demos, save_demos
+from symskill_pddl.demos.robosuite_import import import_robosuite
 
-__all__ = ["Demo", "load_demos", "merged_extents", "save_demos"]
+__all__ = ["Demo", "import_robosuite", "load_demos", "merged_extents", "save_demos"]

@@ -1,0 +1,236 @@
+"""Poses from recorded MuJoCo states: a recording's model XML, reduced to its kinematics, and the frames worth reading from it.
+
+Replaying needs bodies, joints and primitive shapes only. Meshes, textures and materials lie on the machine of whoever recorded,
+so they are taken out of the XML before it is compiled; no asset is ever opened.
+
+What is an object, and what it is called:
+
+- The robot is the top-level body that carries the `grip_site`. Everything below it is robot.
+- Every other body with a joint of its own is an object (free bodies, doors, latches, drawers).
+- A body without a joint that has shapes and hangs from no moving body is an object too: a resting place or reference (table, bin,
+  frame). Its frame is the body's site named `*_top` where there is one (robosuite marks table tops so), since robosuite's own
+  table frame lies inside the slab; else the body's frame.
+- An object's name is its body's without a `_main`, `_root`, `_object` or `_body` at the end; its type is the name without trailing
+  digits (``can2`` is a ``can``; ``cubeA`` and ``cubeB`` stay types of their own unless the caller says otherwise).
+"""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symskill_pddl.errors import FormatError, MissingDependencyError
+from symskill_pddl.geometry import Array, Pose
+
+_USELESS = (
+    "asset",
+    "visual",
+    "actuator",
+    "sensor",
+    "contact",
+    "equality",
+    "tendon",
+    "keyframe",
+    "extension",
+    "statistic",
+    "size",
+)
+_ASSET_GEOMS = ("mesh", "hfield", "sdf")
+
+
+def kinematic_xml(xml: str) -> tuple[str, frozenset[str]]:
+    """The model without anything that needs an asset, and the names of the bodies that had a shape before.
+
+    Raises
+    ------
+    FormatError
+        If the text is not XML, or not a MuJoCo model.
+    """
+    try:
+        root = ET.fromstring(xml)
+    except ET.ParseError as error:
+        raise FormatError(f"the model is not well-formed XML: {error}") from None
+    if root.tag != "mujoco" or root.find("worldbody") is None:
+        raise FormatError(f"the model is not a MuJoCo model: its root is <{root.tag}>, expected <mujoco> with a <worldbody>")
+    shaped = frozenset(body.get("name", "") for body in root.iter("body") if body.find("geom") is not None)
+    for section in [child for child in root if child.tag in _USELESS]:
+        root.remove(section)
+    for parent in list(root.iter()):
+        for child in list(parent):
+            needs_asset = child.tag == "geom" and (child.get("type") in _ASSET_GEOMS or child.get("mesh") is not None)
+            if needs_asset or child.tag in ("camera", "light", "mesh", "material", "plugin"):
+                parent.remove(child)
+        parent.attrib.pop("material", None)
+    compiler = root.find("compiler")
+    if compiler is None:
+        compiler = ET.SubElement(root, "compiler")
+    for key in ("meshdir", "texturedir", "assetdir"):
+        compiler.attrib.pop(key, None)
+    # a link that lost its meshes may have no mass left; kinematics does not care, the compiler does
+    compiler.attrib |= {"boundmass": "0.001", "boundinertia": "0.000001", "balanceinertia": "true"}
+    return ET.tostring(root, encoding="unicode"), shaped
+
+
+@dataclass(frozen=True)
+class TrackedObject:
+    """A body of the model that becomes an object of the demonstration."""
+
+    name: str
+    body: int
+    site: int
+    """Site that gives the frame, or -1 for the body's own."""
+    half_size: tuple[float, float, float] | None
+    """Of the box about the frame that holds the primitive shapes [m]; None where unknown, or where the body does not move."""
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """Frames read from n recorded states."""
+
+    T_world_ee: Pose
+    aperture: Array
+    T_world_objects: Pose
+
+
+class KinematicModel:
+    """A compiled model, its gripper and its objects.
+
+    Raises
+    ------
+    FormatError
+        If the model does not compile, or does not have exactly one gripper with sliding fingers.
+    """
+
+    def __init__(self, xml: str) -> None:
+        try:
+            import mujoco
+        except ImportError as error:
+            raise MissingDependencyError("importing robosuite recordings needs MuJoCo: pip install mujoco") from error
+        stripped, self._shaped = kinematic_xml(xml)
+        self._mujoco: Any = mujoco
+        try:
+            self._model = mujoco.MjModel.from_xml_string(stripped)
+        except ValueError as error:
+            raise FormatError(f"the model does not compile: {' '.join(str(error).split())}") from None
+        self._data = mujoco.MjData(self._model)
+        self._site, self._fingers, self._robot = self._find_gripper()
+        self._R_site_ee = self._finger_frame()
+        self.objects = self._find_objects()
+
+    @property
+    def state_size(self) -> int:
+        """Numbers in a recorded state: time, joint positions, joint velocities."""
+        return int(1 + self._model.nq + self._model.nv)
+
+    def replay(self, states: Array) -> Replayed:
+        """Frames at the recorded `states` (n, 1 + nq + nv)."""
+        n, m = len(states), len(self.objects)
+        p_ee, R_ee = np.empty((n, 3)), np.empty((n, 3, 3))
+        p, q = np.empty((n, m, 3)), np.empty((n, m, 4))
+        for i, state in enumerate(states):
+            self._data.qpos[:] = state[1 : 1 + self._model.nq]
+            self._mujoco.mj_kinematics(self._model, self._data)
+            p_ee[i] = self._data.site_xpos[self._site]
+            R_ee[i] = self._data.site_xmat[self._site].reshape(3, 3) @ self._R_site_ee
+            for k, tracked in enumerate(self.objects):
+                q[i, k] = self._data.xquat[tracked.body]  # a top site is not turned against its body
+                p[i, k] = self._data.xpos[tracked.body] if tracked.site < 0 else self._data.site_xpos[tracked.site]
+        travel = np.abs(states[:, [1 + self._model.jnt_qposadr[j] for j in self._fingers]]).sum(axis=1)
+        return Replayed(Pose(p_ee, Pose.from_matrix(_homogeneous(R_ee)).q), travel, Pose(p, q))
+
+    # -- structure ------------------------------------------------------------------------------------------------------
+
+    def _name(self, kind: str, index: int) -> str:
+        return str(getattr(self._model, kind)(index).name)
+
+    def _ancestors(self, body: int) -> list[int]:
+        """The body and all above it, without the world."""
+        chain = []
+        while body != 0:
+            chain.append(body)
+            body = int(self._model.body_parentid[body])
+        return chain
+
+    def _find_gripper(self) -> tuple[int, list[int], int]:
+        """The grip site, its finger joints, and the robot's top body."""
+        sites = [s for s in range(self._model.nsite) if self._name("site", s).endswith("grip_site")]
+        if len(sites) != 1:
+            names = ", ".join(self._name("site", s) for s in sites) or "none"
+            raise FormatError(
+                f"only recordings of one arm can be imported, the model has {len(sites)} grippers (grip sites: {names})"
+            )
+        chain = self._ancestors(int(self._model.site_bodyid[sites[0]]))
+        slide = int(self._mujoco.mjtJoint.mjJNT_SLIDE)
+        for body in chain:
+            joints = [j for j in range(self._model.njnt) if body in self._ancestors(int(self._model.jnt_bodyid[j]))]
+            if joints:
+                if len(joints) < 2 or any(self._model.jnt_type[j] != slide for j in joints):
+                    break
+                return sites[0], joints, chain[-1]
+        raise FormatError("only grippers with two sliding fingers can be imported, this one moves its fingers otherwise")
+
+    def _finger_frame(self) -> Array:
+        """R_site_ee (3, 3): z is the site's (robosuite: out of the hand); y is where the first finger opens to."""
+        self._mujoco.mj_kinematics(self._model, self._data)
+        joint = self._fingers[0]
+        sign = 1.0 if self._model.jnt_range[joint].sum() >= 0 else -1.0
+        R_site = self._data.site_xmat[self._site].reshape(3, 3)
+        y = sign * R_site.T @ self._data.xaxis[joint]
+        z = np.array([0.0, 0.0, 1.0])
+        y = y - (y @ z) * z
+        y /= np.linalg.norm(y)
+        return np.stack([np.cross(y, z), y, z], axis=1)
+
+    def _find_objects(self) -> tuple[TrackedObject, ...]:
+        bodies = []
+        for body in range(1, self._model.nbody):
+            chain = self._ancestors(body)
+            moving = [b for b in chain if self._model.body_jntnum[b] > 0]
+            fixture = not moving and self._name("body", body) in self._shaped and self._model.body_mocapid[body] < 0
+            if self._robot not in chain and (self._model.body_jntnum[body] > 0 or fixture):
+                bodies.append(body)
+        full = [self._name("body", b) for b in bodies]
+        short = [object_name(name) for name in full]
+        names = [s if short.count(s) == 1 else f for s, f in zip(short, full, strict=True)]
+        return tuple(self._tracked(body, name) for body, name in zip(bodies, names, strict=True))
+
+    def _tracked(self, body: int, name: str) -> TrackedObject:
+        if self._model.body_jntnum[body] > 0:
+            return TrackedObject(name, body, -1, self._half_size(body))
+        sites = [
+            s for s in range(self._model.nsite) if self._model.site_bodyid[s] == body and self._name("site", s).endswith("_top")
+        ]
+        return TrackedObject(name, body, sites[0] if sites else -1, None)
+
+    def _half_size(self, body: int) -> tuple[float, float, float] | None:
+        """Half sizes of the box about the body's frame that holds its primitive shapes."""
+        half = np.zeros(3)
+        for geom in range(self._model.ngeom):
+            if self._model.geom_bodyid[geom] == body:
+                centre, box = self._model.geom_aabb[geom][:3], self._model.geom_aabb[geom][3:]
+                T = Pose(self._model.geom_pos[geom], self._model.geom_quat[geom])
+                corners = centre + box * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+                half = np.maximum(half, np.abs(T.apply(corners)).max(axis=0))
+        a, b, c = (float(h) for h in half)
+        return (a, b, c) if min(a, b, c) > 0 else None
+
+
+def object_name(body: str) -> str:
+    """A body's name without robosuite's endings."""
+    return re.sub(r"_(main|root|object|body)$", "", body) or body
+
+
+def type_name(name: str) -> str:
+    """The type of an object that is not told otherwise: its name without trailing digits."""
+    return name.rstrip("0123456789").rstrip("_-") or name
+
+
+def _homogeneous(R: Array) -> Array:
+    T = np.zeros((*R.shape[:-2], 4, 4))
+    T[..., :3, :3] = R
+    T[..., 3, 3] = 1.0
+    return T
