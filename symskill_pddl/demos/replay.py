@@ -10,8 +10,8 @@ What is an object, and what it is called:
 - A body without a joint that has shapes and hangs from no moving body is an object too: a resting place or reference (table, bin,
   frame). Its frame is the body's site named `*_top` where there is one (robosuite marks table tops so), since robosuite's own
   table frame lies inside the slab; else the body's frame.
-- An object's name is its body's without a `_main`, `_root`, `_object` or `_body` at the end; its type is the name without trailing
-  digits (``can2`` is a ``can``; ``cubeA`` and ``cubeB`` stay types of their own unless the caller says otherwise).
+- An object's name is its body's without a `_main`, `_root`, `_object` or `_body` at the end; its type is the name without
+  trailing digits (``can2`` is a ``can``; ``cubeA`` and ``cubeB`` stay types of their own unless the caller says otherwise).
 """
 
 from __future__ import annotations

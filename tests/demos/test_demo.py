@@ -1,0 +1,86 @@
+from typing import Any
+
+import numpy as np
+import pytest
+
+from symskill_pddl.demos import merged_extents
+from symskill_pddl.errors import InputError
+from symskill_pddl.geometry import Pose
+
+
+def test_scene_and_pose_speak_of_the_same_moment(demo):
+    d = demo()
+    scene = d.scene(3)
+    assert scene.time == d.times[3]
+    assert scene.gripper_closed is True
+    assert scene.objects == {"cheese": "food", "counter": "counter"}
+    for frame in ("gripper", "cheese", "counter"):
+        np.testing.assert_array_equal(scene.pose(frame).vector(), d.pose(frame)[3].vector())
+    np.testing.assert_array_equal(d.scene(-1).pose("cheese").p, d.scene(4).pose("cheese").p)
+
+
+def test_duration_and_length(demo):
+    assert demo().duration_s == pytest.approx(0.2)
+    assert len(demo()) == 5
+
+
+def test_the_demo_keeps_copies_and_they_are_read_only(demo):
+    times = np.arange(5) * 0.05
+    d = demo(times=times)
+    times[0] = -9
+    assert d.times[0] == 0
+    for array in (d.times, d.aperture, d.gripper_closed, d.T_world_ee.p):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+
+
+def test_an_unknown_object_is_named_with_what_exists(demo):
+    with pytest.raises(InputError, match=r"kitchen:demo_0: unknown object 'bread'; the demonstration has: cheese, counter"):
+        demo().pose("bread")
+
+
+def test_no_objects_are_fine(demo):
+    assert demo(objects={}, T_world_objects=Pose(np.zeros((5, 0, 3)), np.ones((5, 0, 4))), extents={}).scene(0).objects == {}
+
+
+def bad(array: Any, value: float) -> Any:
+    array = np.array(array, dtype=float)
+    array[1] = value
+    return array
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"times": np.array([0.0])}, "at least 2 samples"),
+        ({"times": np.zeros((5, 1))}, "at least 2 samples"),
+        ({"times": np.arange(4) * 0.05}, r"has shape \(5,\), 4 times"),
+        ({"times": np.array([0, 1, 1, 2, 3])}, r"times\[2\] = 1 s follows 1 s"),
+        ({"times": np.array([0, 2, 1, 3, 4])}, "times have to increase"),
+        ({"times": bad(np.arange(5), np.nan)}, r"times\[1\] is not a finite"),
+        ({"aperture": bad(np.ones(5), np.inf)}, r"aperture\[1\] is not a finite"),
+        ({"aperture": bad(np.ones(5), -0.1)}, "aperture is negative"),
+        ({"aperture": np.ones(4)}, r"aperture has shape \(4,\)"),
+        ({"gripper_closed": np.zeros(4, dtype=bool)}, r"gripper_closed has shape \(4,\)"),
+        ({"gripper_closed": np.zeros(5)}, "has to be boolean, got float64"),
+        ({"T_world_ee": Pose(np.zeros((4, 3)), np.ones((4, 4)))}, r"T_world_ee has shape \(4,\)"),
+        ({"T_world_objects": Pose(np.zeros((5, 1, 3)), np.ones((5, 1, 4)))}, r"2 objects need \(5, 2\)"),
+        ({"objects": {"gripper": "food", "counter": "counter"}}, "'gripper' is the end effector's name"),
+        ({"objects": {"a/b": "food", "counter": "counter"}}, "object name 'a/b'"),
+        ({"objects": {"cheese": "", "counter": "counter"}}, "type ''"),
+        ({"objects": {"..": "food", "counter": "counter"}}, r"object name '\.\.'"),
+        ({"name": "demo 0"}, "name 'demo 0'"),
+        ({"extents": {"fod": (1, 1, 1)}}, "unknown type 'fod'; types here: counter, food"),
+        ({"extents": {"food": (1, 0, 1)}}, "three positive half sizes"),
+        ({"attributes": {"seeds": [1, 2]}}, "attribute 'seeds' has to be a text or a number, got list"),
+    ],
+)
+def test_what_does_not_fit_is_refused(demo, changes, message):
+    with pytest.raises(InputError, match=message) as caught:
+        demo(**changes)
+    assert "\n" not in str(caught.value)
+
+
+def test_merged_extents_take_the_largest(demo):
+    merged = merged_extents((demo(), demo(extents={"food": (0.01, 0.05, 0.02), "counter": (1, 1, 1)})))
+    assert merged == {"counter": (1.0, 1.0, 1.0), "food": (0.03, 0.05, 0.02)}
