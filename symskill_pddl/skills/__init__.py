@@ -1,0 +1,29 @@
+"""Skills: stable twist fields over SE(3), learned from a few demonstrations. Arrays in, twist out."""
+
+from symskill_pddl.skills.config import FitConfig
+from symskill_pddl.skills.field import Field
+from symskill_pddl.skills.obstacles import Ellipsoid, modulate
+from symskill_pddl.skills.orientation import OrientationField
+from symskill_pddl.skills.position import PositionField
+from symskill_pddl.skills.skill import Phase, Skill
+from symskill_pddl.skills.split import FitReport, fit_fields, fit_phases, fit_reported, rollout
+from symskill_pddl.skills.stability import Certificate
+from symskill_pddl.skills.trajectory import Trajectory
+
+__all__ = [
+    "Certificate",
+    "Ellipsoid",
+    "Field",
+    "FitConfig",
+    "FitReport",
+    "OrientationField",
+    "Phase",
+    "PositionField",
+    "Skill",
+    "Trajectory",
+    "fit_fields",
+    "fit_phases",
+    "fit_reported",
+    "modulate",
+    "rollout",
+]

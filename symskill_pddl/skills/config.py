@@ -1,0 +1,67 @@
+"""`FitConfig`: every number that fitting a motion field takes, with its unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from symskill_pddl.errors import InputError
+
+
+@dataclass(frozen=True)
+class FitConfig:
+    """How motion fields are fitted.
+
+    Path and pace are kept apart: the matrices are fitted to the demonstrated *directions*, with a speed proportional to the way that
+    remains (`gain_hz` times it), and the demonstrated *speed* enters as a cap that scales the field and never turns it. A slow end of a
+    demonstration thus neither makes the execution crawl nor bends its path.
+    """
+
+    period_s: float = 0.05
+    """Control period for which explicit Euler steps are certified."""
+    gain_hz: float = 3.0
+    """Speed per remaining way [1/s]; its inverse is the time constant of the last centimetres."""
+    rate_hz: float = 1.0
+    """Certified rate alpha [1/s]: the distance in the learned metric falls at least as fast as exp(-alpha t) below the speed cap."""
+    max_components: int = 6
+    """Largest number of linear systems in a field."""
+    samples: int = 80
+    """Samples per demonstration, evenly spaced along its path."""
+    smoothing_s: float = 0.05
+    """Standard deviation of the Gaussian that smooths the recorded poses."""
+    still_fraction: float = 0.01
+    """Movements below this fraction of a demonstration's extent count as standing still."""
+    min_motion_m: float = 1e-3
+    min_rotation_rad: float = 0.01
+    """Demonstrations that stay within these of their goal hold no path, only a goal."""
+    max_condition: float = 50.0
+    """Largest condition number of the learned metric P."""
+    spread: float = 0.06
+    """Smallest standard deviation of a mixture component, as a fraction of the data's extent."""
+    ridge: float = 1e-3
+    """Weight of the plain pull to the goal, which decides in the directions that the data leaves open."""
+    pace: float = 1.2
+    """Speed cap over the demonstrated speed."""
+    min_speed_m_s: float = 0.05
+    min_speed_rad_s: float = 0.4
+    """Smallest speed caps: a disturbed hand returns at least this fast."""
+    tolerance_m: float = 0.015
+    tolerance_rad: float = 0.175
+    """A rollout may leave the demonstrations by this much, beyond their own spread, before the skill is split."""
+    via_tolerance_m: float = 0.02
+    via_tolerance_rad: float = 0.175
+    """How close an intermediate goal of a split skill has to be reached."""
+    max_fields: int = 4
+    """Largest number of fields in sequence."""
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            if not getattr(self, entry.name) > 0:
+                raise InputError(f"fit setting '{entry.name}' has to be positive, got {getattr(self, entry.name)!r}")
+        if not self.rate_hz < self.gain_hz:
+            raise InputError(f"the certified rate_hz ({self.rate_hz}) has to stay below gain_hz ({self.gain_hz})")
+        if self.gain_hz * self.period_s >= 1.0:
+            raise InputError(
+                f"gain_hz {self.gain_hz} is too fast for steps of {self.period_s} s: their product has to stay below 1"
+            )
+        if self.max_condition < 1.0:
+            raise InputError(f"max_condition has to be at least 1, got {self.max_condition}")

@@ -1,0 +1,70 @@
+"""`Field`: a certified twist field over SE(3), in one frame."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symskill_pddl.errors import InputError
+from symskill_pddl.geometry import Array, Pose, karcher_mean
+from symskill_pddl.skills.config import FitConfig
+from symskill_pddl.skills.orientation import OrientationField, fit_orientation
+from symskill_pddl.skills.position import PositionField, fit_position
+from symskill_pddl.skills.stability import Certificate
+from symskill_pddl.skills.trajectory import Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """A position field and an orientation field with their certificates.
+
+    Attributes
+    ----------
+    position, orientation
+        The two fields.
+    certificates : (Certificate, Certificate)
+        Of the position and of the orientation field.
+    """
+
+    position: PositionField
+    orientation: OrientationField
+    certificates: tuple[Certificate, Certificate]
+
+    def twist(self, T_frame_ee: Pose) -> Array:
+        """Twist (..., 6) at poses (...): linear [m/s], angular [rad/s], in the axes of the field's frame."""
+        return self.twist_at(T_frame_ee.p, T_frame_ee.q)
+
+    def twist_at(self, p: Array, q: Array) -> Array:
+        """The same for positions (..., 3) and unit quaternions (..., 4)."""
+        return np.concatenate([self.position.velocity(p), self.orientation.angular_velocity(q)], axis=-1)
+
+    @property
+    def T_goal(self) -> Pose:
+        """The attractor, in the field's frame."""
+        return Pose(self.position.goal, self.orientation.goal)
+
+    @property
+    def certificate(self) -> Certificate:
+        """The weaker of the two certificates."""
+        return min(self.certificates, key=lambda c: c.rate_hz)
+
+
+def fit_field(trajectories: Sequence[Trajectory], config: FitConfig) -> Field:
+    """One field to the mean of the (smoothed) trajectories' end poses.
+
+    Raises
+    ------
+    InputError
+        If there are no trajectories.
+    CertificateError
+        If no stable field can be fitted.
+    """
+    if not trajectories:
+        raise InputError("fitting a field needs at least one trajectory")
+    goal_p = np.mean([t.end.p for t in trajectories], axis=0)
+    goal_q = karcher_mean(np.stack([t.end.q for t in trajectories]))
+    position, of_position = fit_position(trajectories, goal_p, config)
+    orientation, of_orientation = fit_orientation(trajectories, goal_q, config)
+    return Field(position, orientation, (of_position, of_orientation))

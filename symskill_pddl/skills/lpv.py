@@ -1,0 +1,179 @@
+"""Linear parameter-varying systems `v = sum_k gamma_k(e) A_k e` on the error e to a goal: what both fields are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symskill_pddl.errors import InputError
+from symskill_pddl.geometry import Array, frozen
+from symskill_pddl.skills.config import FitConfig
+from symskill_pddl.skills.mixture import Mixture, fit_mixture
+from symskill_pddl.skills.stability import Certificate, certify, fit_matrices, fit_metric
+from symskill_pddl.skills.trajectory import Path
+
+
+@dataclass(frozen=True, eq=False)
+class Lpv:
+    """A mixture of K linear systems with one common equilibrium, e = 0.
+
+    Attributes
+    ----------
+    mixture : Mixture
+        Gives the weights gamma_k(e).
+    matrices : (K, 3, 3)
+        A_k [1/s].
+    pace : (K,)
+        Speed cap of each component; the cap at e is their weighted mean. It scales the velocity and never turns it.
+    """
+
+    mixture: Mixture
+    matrices: Array
+    pace: Array
+
+    def __post_init__(self) -> None:
+        K = self.mixture.size
+        object.__setattr__(self, "matrices", frozen(self.matrices))
+        object.__setattr__(self, "pace", frozen(self.pace))
+        if self.matrices.shape != (K, 3, 3) or self.pace.shape != (K,):
+            raise InputError(
+                f"{K} components need matrices ({K}, 3, 3) and paces ({K},), got {self.matrices.shape}, {self.pace.shape}"
+            )
+        object.__setattr__(self, "_flat", frozen(self.matrices.reshape(K, 9)))
+
+    def velocity(self, e: Array) -> Array:
+        """Velocity (..., 3) at errors e (..., 3); zero exactly at e = 0."""
+        gamma = self.mixture.weights(e)
+        A = (gamma @ self._flat).reshape(*e.shape, 3)  # type: ignore[attr-defined]
+        v = (A @ e[..., None])[..., 0]
+        cap = gamma @ self.pace
+        speed = np.sqrt((v * v).sum(-1))
+        return np.asarray(v * (cap / np.maximum(speed, cap))[..., None])
+
+    @property
+    def max_speed(self) -> float:
+        """No velocity is larger."""
+        return float(self.pace.max())
+
+
+def attraction(gain_hz: float, pace: float) -> Lpv:
+    """The plain pull to the goal, for demonstrations that show no path."""
+    return Lpv(Mixture.single(), -gain_hz * np.eye(3)[None], np.array([pace]))
+
+
+def fit_lpv(
+    paths: Sequence[Path],
+    config: FitConfig,
+    *,
+    least_pace: float,
+    learn_metric: bool,
+    advance: Callable[[Array, Array], Array],
+    distance: Callable[[Array, Array], Array],
+) -> tuple[Lpv, Certificate]:
+    """Fit to demonstrated paths; the number of components is chosen by the error of rollouts from the demonstrated starts.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        May be empty: then there is only the pull to the goal.
+    least_pace : float
+        Smallest speed cap.
+    learn_metric : bool
+        Learn P, else P = I.
+    advance : callable
+        (e (..., 3), displacement (..., 3)) -> moved e.
+    distance : callable
+        (a (..., n, 3), b (..., m, 3)) -> (..., n, m).
+
+    Raises
+    ------
+    CertificateError
+        If no stable field can be fitted.
+    """
+    if not paths:
+        lpv = attraction(config.gain_hz, least_pace)
+        return lpv, certify(lpv.matrices, np.eye(3), config.period_s)
+    x = np.concatenate([path.points for path in paths])
+    extent = float(np.sqrt((x * x).sum(1).mean()))
+    x = x / extent
+    remaining = np.concatenate([path.remaining for path in paths])[:, None] / extent
+    v = config.gain_hz * remaining * np.concatenate([path.directions for path in paths])
+    # Residuals count relative to the speed, so that directions matter alike along the whole way except for the last bit.
+    importance = 1.0 / np.maximum(remaining[:, 0], 0.1 * remaining.max()) ** 2
+    importance /= importance.sum()
+    progress = np.concatenate([path.progress for path in paths])
+    speeds = np.concatenate([path.speeds for path in paths])
+    P = fit_metric(*_slice_means(x, v, progress), config.max_condition) if learn_metric else np.eye(3)
+
+    shown = np.stack([path.points for path in paths])  # (demos, samples, 3)
+    best: tuple[float, Lpv, Certificate] | None = None
+    for size in range(1, config.max_components + 1):
+        mixture = fit_mixture(x, progress, size, config.spread)
+        weights = mixture.weights(x)
+        matrices = fit_matrices(
+            x,
+            v,
+            weights,
+            importance,
+            P,
+            gain_hz=config.gain_hz,
+            rate_hz=config.rate_hz,
+            period_s=config.period_s,
+            ridge=config.ridge,
+        )
+        certificate = certify(matrices, P, config.period_s)
+        lpv = Lpv(_rescaled(mixture, extent), matrices, _paces(weights, speeds, config.pace, least_pace))
+        score = _deviation(rollout(lpv, shown[:, 0], shown, config, advance), shown, distance) / extent
+        # A further component has to earn its place.
+        if best is None or score < 0.95 * best[0] - 1e-3:
+            best = score, lpv, certificate
+        if score < 2e-3:
+            break
+    assert best is not None
+    return best[1], best[2]
+
+
+def rollout(lpv: Lpv, starts: Array, shown: Array, config: FitConfig, advance: Callable[[Array, Array], Array]) -> Array:
+    """The geometry (demos, steps, 3) of the motions from `starts` (demos, 3), in even steps along the way; timing plays no part."""
+    length = np.linalg.norm(np.diff(shown, axis=1), axis=-1).sum(1).max()
+    stride, e, way = length / 100, starts, [starts]
+    for _ in range(160):
+        v = lpv.velocity(e)
+        speed = np.linalg.norm(v, axis=-1, keepdims=True)
+        # even strides while far, a part of the distance when near: the speed cap does not bend the way
+        near = np.linalg.norm(e, axis=-1, keepdims=True) * config.gain_hz * config.period_s
+        e = advance(e, v * np.minimum(stride, near) / np.maximum(speed, 1e-300))
+        way.append(e)
+    return np.stack(way, axis=1)
+
+
+def _deviation(driven: Array, shown: Array, distance: Callable[[Array, Array], Array]) -> float:
+    """Mean distance between the two sets of ways, each to the nearest point of the other."""
+    d = distance(driven, shown)
+    return float(0.5 * (d.min(2).mean() + d.min(1).mean()))
+
+
+def _slice_means(x: Array, v: Array, progress: Array, count: int = 16) -> tuple[Array, Array]:
+    """Unit mean positions and velocities of slices of the path."""
+    index = np.minimum((progress * count).astype(int), count - 1)
+    member = np.eye(count)[index].T  # (count, n)
+    member = member[member.sum(1) > 0]
+    xs, vs = member @ x, member @ v
+    xs /= np.maximum(np.linalg.norm(xs, axis=1, keepdims=True), 1e-12)
+    vs /= np.maximum(np.linalg.norm(vs, axis=1, keepdims=True), 1e-12)
+    return xs, vs
+
+
+def _paces(weights: Array, speeds: Array, factor: float, least: float) -> Array:
+    """Median speed of each component's samples times the factor, and no less than half the overall median."""
+    overall = float(np.median(speeds))
+    owner = weights.argmax(1)
+    medians = [np.median(speeds[owner == k]) if np.any(owner == k) else overall for k in range(weights.shape[1])]
+    return np.maximum(factor * np.maximum(medians, 0.5 * overall), least)
+
+
+def _rescaled(mixture: Mixture, extent: float) -> Mixture:
+    """The mixture of the data divided by `extent`, for the data itself. The common change of log det drops out of the weights."""
+    return Mixture(mixture.whitening / extent, mixture.offset, mixture.log_scale)

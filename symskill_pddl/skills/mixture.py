@@ -1,0 +1,92 @@
+"""A Gaussian mixture whose weights say which linear system acts where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from symskill_pddl.geometry import Array, frozen
+
+
+@dataclass(frozen=True, eq=False)
+class Mixture:
+    """K Gaussians in R^3, kept as what their evaluation takes.
+
+    Attributes
+    ----------
+    whitening : (3K, 3)
+        Stacked inverse Cholesky factors W_k of the covariances.
+    offset : (3K,)
+        W_k mean_k.
+    log_scale : (K,)
+        log prior_k + log det W_k.
+    """
+
+    whitening: Array
+    offset: Array
+    log_scale: Array
+
+    def __post_init__(self) -> None:
+        for name in ("whitening", "offset", "log_scale"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @classmethod
+    def single(cls) -> Mixture:
+        """One component: its weight is 1 everywhere."""
+        return cls(np.eye(3), np.zeros(3), np.zeros(1))
+
+    @property
+    def size(self) -> int:
+        return len(self.log_scale)
+
+    def weights(self, x: Array) -> Array:
+        """Weights (..., K) at x (..., 3): positive, finite and of sum 1 however far x is (log-sum-exp)."""
+        z = x @ self.whitening.T - self.offset  # (..., 3K)
+        z *= z
+        logits = self.log_scale - 0.5 * z.reshape(*x.shape[:-1], -1, 3).sum(-1)
+        logits -= logits.max(-1, keepdims=True)
+        np.exp(logits, out=logits)
+        logits /= logits.sum(-1, keepdims=True)
+        return logits
+
+
+def fit_mixture(x: Array, progress: Array, size: int, floor: float, iterations: int = 30) -> Mixture:
+    """Expectation maximisation from slices of the path.
+
+    The components start as `size` equal slices of the progress along the demonstrations, so no random start is needed, and the result
+    does not depend on a seed.
+
+    Parameters
+    ----------
+    x : (n, 3)
+        Samples.
+    progress : (n,)
+        Fraction of its way that each sample has behind it, in [0, 1].
+    floor : float
+        Standard deviation added to every direction, in the unit of x.
+    """
+    if size == 1:
+        return Mixture.single()
+    slices = np.minimum((progress * size).astype(int), size - 1)
+    weights = np.eye(size)[slices]  # (n, K)
+    mixture = _maximise(x, weights, floor)
+    for _ in range(iterations):
+        new = mixture.weights(x)
+        change = np.abs(new - weights).max()
+        weights = new
+        mixture = _maximise(x, weights, floor)
+        if change < 1e-3:
+            break
+    return mixture
+
+
+def _maximise(x: Array, weights: Array, floor: float) -> Mixture:
+    count = weights.sum(0) + 1e-6  # (K,)
+    mean = weights.T @ x / count[:, None]  # (K, 3)
+    centred = x[:, None, :] - mean  # (n, K, 3)
+    scatter = (weights[:, :, None] * centred).transpose(1, 2, 0) @ centred.transpose(1, 0, 2)
+    covariance = scatter / count[:, None, None] + floor**2 * np.eye(3)
+    W = np.linalg.inv(np.linalg.cholesky(covariance))  # (K, 3, 3)
+    log_det = np.log(np.diagonal(W, axis1=1, axis2=2)).sum(1)
+    return Mixture(W.reshape(-1, 3), (W @ mean[:, :, None]).reshape(-1), np.log(count / count.sum()) + log_det)

@@ -1,0 +1,48 @@
+"""Quaternion algebra on plain floats.
+
+One multiplication of 4-tuples takes 1 us here and 10 us through numpy's small arrays: the fields are evaluated every control tick.
+Same conventions as `geometry`: (w, x, y, z), rotation vectors in radians with the angle in [0, pi].
+"""
+
+from __future__ import annotations
+
+from math import atan2, sqrt
+
+Quaternion = tuple[float, float, float, float]
+Vector = tuple[float, float, float]
+
+
+def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
+    """Hamilton product."""
+    aw, ax, ay, az = a
+    bw, bx, by, bz = b
+    return (
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    )
+
+
+def conjugate(q: Quaternion) -> Quaternion:
+    """Inverse of a unit quaternion."""
+    return q[0], -q[1], -q[2], -q[3]
+
+
+def rotate(q: Quaternion, v: Vector) -> Vector:
+    """Rotate a vector by a unit quaternion."""
+    w, x, y, z = q
+    a, b, c = v
+    tx, ty, tz = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    return a + w * tx + y * tz - z * ty, b + w * ty + z * tx - x * tz, c + w * tz + x * ty - y * tx
+
+
+def log(q: Quaternion) -> Vector:
+    """Rotation vector; q and -q give the same one, also at the angle pi."""
+    w, x, y, z = q
+    # the sign is folded by w; where w is 0 the first non-zero component of the axis decides
+    if w < 0.0 or (w == 0.0 and (x < 0.0 or (x == 0.0 and (y < 0.0 or (y == 0.0 and z < 0.0))))):
+        w, x, y, z = -w, -x, -y, -z
+    norm = sqrt(x * x + y * y + z * z)
+    scale = 2.0 if norm < 1e-10 else 2.0 * atan2(norm, w) / norm
+    return scale * x, scale * y, scale * z

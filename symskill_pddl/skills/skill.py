@@ -1,0 +1,161 @@
+"""`Phase` and `Skill`: fields in sequence, each in the frame of an operator's parameter, with the fingers' command."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symskill_pddl.errors import FormatError, InputError
+from symskill_pddl.geometry import Array, Pose, rotation_distance
+from symskill_pddl.skills import scalar
+from symskill_pddl.skills.field import Field
+from symskill_pddl.skills.lpv import Lpv
+from symskill_pddl.skills.mixture import Mixture
+from symskill_pddl.skills.orientation import OrientationField
+from symskill_pddl.skills.position import PositionField
+from symskill_pddl.skills.stability import Certificate
+
+_IDENTITY = Pose.identity()
+
+
+@dataclass(frozen=True, eq=False)
+class Phase:
+    """One field of a skill.
+
+    Attributes
+    ----------
+    frame : str
+        The operator's parameter ("?food") in whose frame the field lives.
+    field : Field
+        The twist field.
+    close_gripper : bool
+        Finger command during the phase.
+    tolerance_p, tolerance_r : float
+        The phase is over within these of the field's goal [m], [rad].
+    duration_s : float
+        Mean demonstrated duration.
+    """
+
+    frame: str
+    field: Field
+    close_gripper: bool
+    tolerance_p: float
+    tolerance_r: float
+    duration_s: float
+
+    def __post_init__(self) -> None:
+        for name in ("tolerance_p", "tolerance_r"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"a phase in frame '{self.frame}' needs a positive {name}, got {getattr(self, name)!r}")
+        if not (np.isfinite(self.duration_s) and self.duration_s >= 0):
+            raise InputError(f"a phase in frame '{self.frame}' needs a duration of at least 0 s, got {self.duration_s!r}")
+
+    def twist(self, T_world_frame: Pose, T_world_ee: Pose, shift: Pose = _IDENTITY) -> Array:
+        """Twist (6,) in world axes.
+
+        `shift` moves the whole field, and with it the goal, within its frame: the field acts on `shift^-1 @ T_frame_ee`.
+        """
+        base_p, base_q = _floats(T_world_frame)
+        if shift is not _IDENTITY:
+            shift_p, shift_q = _floats(shift)
+            x, y, z = scalar.rotate(base_q, shift_p)
+            base_p, base_q = (base_p[0] + x, base_p[1] + y, base_p[2] + z), scalar.multiply(base_q, shift_q)
+        p, q = _floats(T_world_ee)
+        inverse = scalar.conjugate(base_q)
+        relative = scalar.rotate(inverse, (p[0] - base_p[0], p[1] - base_p[1], p[2] - base_p[2]))
+        twist = self.field.twist_at(np.array(relative), np.array(scalar.multiply(inverse, q))).tolist()
+        return np.array(scalar.rotate(base_q, twist[:3]) + scalar.rotate(base_q, twist[3:]))
+
+    def T_world_goal(self, T_world_frame: Pose, shift: Pose = _IDENTITY) -> Pose:
+        """Where the phase ends, in the world."""
+        return T_world_frame @ shift @ self.field.T_goal
+
+    def reached(self, T_world_frame: Pose, T_world_ee: Pose, shift: Pose = _IDENTITY) -> bool:
+        """Whether the end effector is within the tolerances of the phase's end."""
+        goal = self.T_world_goal(T_world_frame, shift)
+        near = np.linalg.norm(T_world_ee.p - goal.p) <= self.tolerance_p
+        return bool(near and rotation_distance(T_world_ee, goal) <= self.tolerance_r)
+
+
+def _floats(T: Pose) -> tuple[scalar.Vector, scalar.Quaternion]:
+    return tuple(T.p.tolist()), tuple(T.q.tolist())
+
+
+@dataclass(frozen=True, eq=False)
+class Skill:
+    """Phases in order, and what the fingers do at the end of the last one.
+
+    When the finger command changes from one phase to the next, or at the end, the executor waits until the fingers settle.
+    """
+
+    phases: tuple[Phase, ...]
+    close_gripper_at_end: bool
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "phases", tuple(self.phases))
+        if not self.phases:
+            raise InputError("a skill needs at least one phase")
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Everything as plain arrays, without pickle: `Skill.from_arrays` gives back an equal skill, bit by bit."""
+        out: dict[str, NDArray[Any]] = {
+            "phases": np.array(len(self.phases)),
+            "close_gripper_at_end": np.array(self.close_gripper_at_end),
+        }
+        for i, phase in enumerate(self.phases):
+            key = f"phase{i}"
+            out[f"{key}.frame"] = np.array(phase.frame)
+            out[f"{key}.close_gripper"] = np.array(phase.close_gripper)
+            out[f"{key}.limits"] = np.array([phase.tolerance_p, phase.tolerance_r, phase.duration_s])
+            parts = (("position", phase.field.position), ("orientation", phase.field.orientation))
+            for (name, part), certificate in zip(parts, phase.field.certificates, strict=True):
+                mixture = part.lpv.mixture
+                out[f"{key}.{name}.goal"] = part.goal
+                out[f"{key}.{name}.matrices"] = part.lpv.matrices
+                out[f"{key}.{name}.pace"] = part.lpv.pace
+                out[f"{key}.{name}.whitening"] = mixture.whitening
+                out[f"{key}.{name}.offset"] = mixture.offset
+                out[f"{key}.{name}.log_scale"] = mixture.log_scale
+                out[f"{key}.{name}.metric"] = certificate.P
+                out[f"{key}.{name}.certificate"] = np.array([certificate.rate_hz, certificate.step_norm, certificate.period_s])
+        return out
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Skill:
+        """The inverse of `arrays`.
+
+        Raises
+        ------
+        FormatError
+            If an array is missing or has another shape.
+        """
+        try:
+            phases = tuple(_phase(arrays, f"phase{i}") for i in range(int(arrays["phases"])))
+            return cls(phases, bool(arrays["close_gripper_at_end"]))
+        except KeyError as error:
+            raise FormatError(f"a skill's file lacks the array {error}") from None
+        except (InputError, TypeError, ValueError) as error:
+            raise FormatError(f"a skill's file holds arrays that do not fit together: {error}") from None
+
+
+def _phase(arrays: Mapping[str, NDArray[Any]], key: str) -> Phase:
+    def lpv(name: str) -> Lpv:
+        mixture = Mixture(arrays[f"{name}.whitening"], arrays[f"{name}.offset"], arrays[f"{name}.log_scale"])
+        return Lpv(mixture, arrays[f"{name}.matrices"], arrays[f"{name}.pace"])
+
+    def certificate(name: str) -> Certificate:
+        rate, norm, period = (float(value) for value in arrays[f"{name}.certificate"])
+        return Certificate(arrays[f"{name}.metric"], rate, norm, period)
+
+    position, orientation = f"{key}.position", f"{key}.orientation"
+    field = Field(
+        PositionField(lpv(position), arrays[f"{position}.goal"]),
+        OrientationField(lpv(orientation), arrays[f"{orientation}.goal"]),
+        (certificate(position), certificate(orientation)),
+    )
+    tolerance_p, tolerance_r, duration = (float(value) for value in arrays[f"{key}.limits"])
+    return Phase(str(arrays[f"{key}.frame"]), field, bool(arrays[f"{key}.close_gripper"]), tolerance_p, tolerance_r, duration)

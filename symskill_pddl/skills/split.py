@@ -1,0 +1,235 @@
+"""From demonstrations to fields: one where one follows them, several in sequence where none can.
+
+A stable field approaches its goal all the time. Demonstrations that first move away (down, below a shelf, up) cannot be followed by one
+field; they are cut at a common via pose, and each part gets its own. Whether a field follows is judged by its rollouts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symskill_pddl.errors import InputError
+from symskill_pddl.geometry import Array, Pose, quat_conjugate, quat_exp, quat_multiply
+from symskill_pddl.skills.config import FitConfig
+from symskill_pddl.skills.field import Field, fit_field
+from symskill_pddl.skills.skill import Phase
+from symskill_pddl.skills.trajectory import Trajectory, continuous_signs, evenly, smooth
+
+
+@dataclass(frozen=True)
+class FitReport:
+    """How well the fields follow their demonstrations.
+
+    Attributes
+    ----------
+    deviations : tuple of float
+        Of each field's rollouts from its demonstrations, in units of the configured tolerances.
+    durations_s : tuple of float
+        Mean demonstrated duration of each field's part, pauses included.
+    retreat : float
+        Largest rise of the distance to the end pose within a demonstration, as a fraction of its largest value: 0 is monotone.
+    """
+
+    deviations: tuple[float, ...]
+    durations_s: tuple[float, ...]
+    retreat: float
+
+
+def fit_fields(trajectories: Sequence[Trajectory], config: FitConfig = FitConfig()) -> tuple[Field, ...]:
+    """Fields in sequence, each certified, the last one ending where the demonstrations end.
+
+    Parameters
+    ----------
+    trajectories : sequence of Trajectory
+        Demonstrations of the same motion in the same frame; starts and timing may differ.
+
+    Raises
+    ------
+    InputError
+        If there are none.
+    CertificateError
+        If no stable field can be fitted.
+    """
+    return fit_reported(trajectories, config)[0]
+
+
+def fit_phases(
+    trajectories: Sequence[Trajectory],
+    frame: str,
+    close_gripper: bool,
+    tolerance_p: float,
+    tolerance_r: float,
+    config: FitConfig = FitConfig(),
+) -> tuple[Phase, ...]:
+    """The fields as phases of a skill: intermediate goals with the loose tolerances of the configuration, the last with the given ones."""
+    fields, report = fit_reported(trajectories, config)
+    last = len(fields) - 1
+    return tuple(
+        Phase(
+            frame,
+            field,
+            close_gripper,
+            tolerance_p if i == last else config.via_tolerance_m,
+            tolerance_r if i == last else config.via_tolerance_rad,
+            duration,
+        )
+        for i, (field, duration) in enumerate(zip(fields, report.durations_s, strict=True))
+    )
+
+
+def fit_reported(trajectories: Sequence[Trajectory], config: FitConfig = FitConfig()) -> tuple[tuple[Field, ...], FitReport]:
+    """`fit_fields` with the report that says how well they follow."""
+    if not trajectories:
+        raise InputError("fitting a field needs at least one trajectory")
+    whole = _Part.fit([smooth(t, config.smoothing_s) for t in trajectories], config)
+    parts, settled = [whole], {id(whole)} if whole.deviation <= 1.0 else set()
+    while len(parts) < config.max_fields and len(settled) < len(parts):
+        worst = max((p for p in parts if id(p) not in settled), key=lambda p: p.deviation)
+        halves = worst.halves(config)
+        if halves is None:
+            settled.add(id(worst))
+            continue
+        at = parts.index(worst)
+        parts[at : at + 1] = halves
+        settled |= {id(half) for half in halves if half.deviation <= 1.0}
+    report = FitReport(
+        tuple(p.deviation for p in parts),
+        tuple(float(np.mean([t.duration_s for t in p.trajectories])) for p in parts),
+        max((_retreat(way) for way in whole.shown), default=0.0),
+    )
+    return tuple(p.field for p in parts), report
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A stretch of the demonstrations with its field.
+
+    `shown` (demos, samples, 6): error to the goal in units of the tolerances, evenly spaced along the way; `at` (demos, samples): the
+    trajectory index of each sample. Demonstrations that stay at the goal are left out of both.
+    """
+
+    trajectories: list[Trajectory]
+    field: Field
+    shown: Array
+    at: Array
+    deviation: float
+
+    @classmethod
+    def fit(cls, trajectories: list[Trajectory], config: FitConfig) -> _Part:
+        field = fit_field(trajectories, config)
+        shown, at = [], []
+        for trajectory in trajectories:
+            x = _scaled_errors(trajectory.T_frame_ee.p, continuous_signs(trajectory.T_frame_ee.q), field, config)
+            even = evenly(x, config.still_fraction, 0.1, config.samples)
+            if even is None:
+                even = np.zeros((config.samples, 6)), np.zeros(config.samples, dtype=int)
+            shown.append(even[0])
+            at.append(even[1])
+        ways = np.stack(shown)
+        return cls(trajectories, field, ways, np.stack(at), _deviation(field, trajectories, ways, config))
+
+    def halves(self, config: FitConfig) -> tuple[_Part, _Part] | None:
+        """The best two parts, or None where cutting does not help."""
+        best: tuple[_Part, _Part] | None = None
+        for index in self._candidates():
+            cuts = [int(at[i]) for at, i in zip(self.at, self._matches(index), strict=True)]
+            if not all(0 < cut < len(t) - 1 for cut, t in zip(cuts, self.trajectories, strict=True)):
+                continue
+            first = _Part.fit([t.cut(0, cut) for t, cut in zip(self.trajectories, cuts, strict=True)], config)
+            second = _Part.fit([t.cut(cut, len(t) - 1) for t, cut in zip(self.trajectories, cuts, strict=True)], config)
+            if best is None or _worse(first, second) < _worse(*best):
+                best = first, second
+        # a part that follows as badly as the whole is no help, but one of the two may still have to be cut again
+        if best is None or min(p.deviation for p in best) > 0.8 * self.deviation or _worse(*best) > 1.5 * self.deviation:
+            return None
+        return best
+
+    def _candidates(self) -> list[int]:
+        """Samples of the mean way where a via pose may help: its corner, its farthest and its nearest point before the end."""
+        way = self.shown.mean(0)
+        n = len(way)
+        inner = slice(n // 12, n - n // 12)
+        chord = way[-1] - way[0]
+        along = np.clip((way - way[0]) @ chord / max(float(chord @ chord), 1e-12), 0.0, 1.0)
+        corner = np.linalg.norm(way - way[0] - along[:, None] * chord, axis=1)
+        distance = np.linalg.norm(way, axis=1)
+        found = [int(np.argmax(values[inner])) + inner.start for values in (corner, distance)]
+        found.append(n // 2)
+        kept: list[int] = []
+        for index in found:
+            if all(abs(index - other) > n // 20 for other in kept):
+                kept.append(index)
+        return kept
+
+    def _matches(self, index: int) -> list[int]:
+        """For each demonstration the sample nearest to the mean way's, among those of similar progress."""
+        via = self.shown[:, index].mean(0)
+        n = self.shown.shape[1]
+        low, high = max(1, index - n // 7), min(n - 1, index + n // 7)
+        return [low + int(np.argmin(np.linalg.norm(way[low:high] - via, axis=1))) for way in self.shown]
+
+
+def _worse(a: _Part, b: _Part) -> float:
+    return max(a.deviation, b.deviation)
+
+
+def _scaled_errors(p: Array, q: Array, field: Field, config: FitConfig) -> Array:
+    """(..., 6) errors to the field's goal in units of the tolerances. The rotation does not wrap along a path of continuous signs."""
+    goal = field.orientation.goal
+    relative = quat_multiply(q, quat_conjugate(goal))
+    if relative.ndim > 1 and relative[-1, 0] < 0:
+        relative = -relative
+    w, u = relative[..., :1], relative[..., 1:]
+    norm = np.linalg.norm(u, axis=-1, keepdims=True)
+    r = np.where(norm > 1e-12, 2.0 * np.arctan2(norm, w) / np.maximum(norm, 1e-12), 2.0) * u
+    return np.concatenate([(p - field.position.goal) / config.tolerance_m, r / config.tolerance_rad], axis=-1)
+
+
+def rollout(field: Field, T_start: Pose, duration_s: float, period_s: float) -> Pose:
+    """Explicit Euler motion (n, steps) of the field from starts (n,)."""
+    p, q = T_start.p, T_start.q
+    ps, qs = [p], [q]
+    for _ in range(int(np.ceil(duration_s / period_s))):
+        twist = field.twist_at(p, q)
+        p = p + period_s * twist[..., :3]
+        q = quat_multiply(quat_exp(period_s * twist[..., 3:]), q)
+        ps.append(p)
+        qs.append(q)
+    return Pose(np.stack(ps, axis=-2), np.stack(qs, axis=-2))
+
+
+def _deviation(field: Field, trajectories: list[Trajectory], shown: Array, config: FitConfig) -> float:
+    """How far rollouts and demonstrations part, in tolerances: three quarters of the demonstrations do better.
+
+    A rollout may be wherever any demonstration was (their spread is allowed), and has to come past everything its own one did.
+    """
+    starts = Pose.stack([t.T_frame_ee[0] for t in trajectories])
+    duration = 1.5 * max(t.duration_s for t in trajectories) + 1.0
+    driven = rollout(field, starts, duration, max(config.period_s, duration / 200))
+    bend = (np.linspace(0.0, 1.0, shown.shape[1]) ** 2)[None, :, None] * shown[:, -1:]
+    ways = shown - bend
+    p = ways[..., :3] * config.tolerance_m + field.position.goal
+    q = quat_multiply(quat_exp(ways[..., 3:] * config.tolerance_rad), field.orientation.goal)
+    all_p, all_q = p.reshape(-1, 3), q.reshape(-1, 4)
+    values = []
+    for i in range(len(trajectories)):
+        own = _pose_distances(driven.p[i], driven.q[i], p[i], q[i], config).min(0).max()
+        corridor = _pose_distances(driven.p[i], driven.q[i], all_p, all_q, config).min(1).max()
+        values.append(max(own, corridor))
+    return float(np.quantile(values, 0.75))
+
+
+def _pose_distances(pa: Array, qa: Array, pb: Array, qb: Array, config: FitConfig) -> Array:
+    """(n, m) distances in units of the tolerances, the larger of position and rotation."""
+    squares = (pa * pa).sum(-1)[:, None] + (pb * pb).sum(-1)[None, :] - 2.0 * pa @ pb.T
+    angles = 2.0 * np.arccos(np.clip(np.abs(qa @ qb.T), 0.0, 1.0))
+    return np.maximum(np.sqrt(np.maximum(squares, 0.0)) / config.tolerance_m, angles / config.tolerance_rad)
+
+
+def _retreat(way: Array) -> float:
+    distance = np.linalg.norm(way, axis=1)
+    rise = distance - np.minimum.accumulate(distance)
+    return float(rise.max() / max(float(distance.max()), 1e-12))
