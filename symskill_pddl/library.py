@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from symskill_pddl.abstraction import Classifier, GripperRule
+from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.skills import Skill
-from symskill_pddl.symbols import Atom, Operator, Parameter, Type
+from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, Operator, Parameter, Predicate, Type
 
 
 @dataclass(frozen=True)
@@ -67,3 +68,16 @@ class Library:
     gripper: GripperRule = GripperRule()
     extents: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     """Half sizes [m] of each type's bounding box where the recordings state them (obstacles)."""
+
+    def domain(self, name: str = "learned") -> Domain:
+        """What a planner sees: every type, predicate (`gripper-open`, the built-in one, first) and operator."""
+        predicates = (Predicate(GRIPPER_OPEN), *(c.predicate for c in self.classifiers))
+        return Domain(name, self.types, predicates, tuple(learned.operator for learned in self.operators))
+
+    def learned(self, name: str) -> LearnedOperator:
+        """The learned operator of that name."""
+        for learned in self.operators:
+            if learned.operator.name == name:
+                return learned
+        known = alternatives(o.operator.name for o in self.operators)
+        raise InputError(f"unknown operator '{name}'; the library has: {known}")
