@@ -278,3 +278,75 @@ def validate(domain: Domain, problem: Problem, plan: Plan) -> None:
         state = step.apply(state)
     if missing := problem.goal - state:
         raise InputError(f"the plan ends without the goal {' '.join(map(str, sorted(missing)))}")
+
+
+def check_atom(domain: Domain, atom: Atom, types: Mapping[str, str], where: str) -> None:
+    """Compare an atom with the declaration of its predicate; `types` maps each variable or object in scope to its type.
+
+    Raises
+    ------
+    InputError
+        Unknown predicate, wrong number of arguments, an argument that is not in `types`, or one of the wrong type.
+    """
+    try:
+        predicate = domain.predicate(atom.predicate)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
+    if len(atom.args) != len(predicate.types):
+        signature = " ".join((predicate.name, *predicate.types))
+        raise InputError(f"{where}: {atom} has {len(atom.args)} arguments, the predicate takes {len(predicate.types)}: ({signature})")
+    for arg, expected in zip(atom.args, predicate.types, strict=True):
+        if arg not in types:
+            what = "variable" if arg.startswith("?") else "object"
+            raise InputError(f"{where}: {atom} names the unknown {what} '{arg}'; there are: {alternatives(types)}")
+        if not domain.is_a(types[arg], expected):
+            raise InputError(f"{where}: {atom} needs a {expected} where '{arg}' is a {types[arg]}")
+
+
+def check_domain(domain: Domain) -> None:
+    """Check that every type and predicate used in the domain is declared, and that every atom fits its predicate.
+
+    Raises
+    ------
+    InputError
+        At the first use of an undeclared name, wrong arity or wrong type, naming the predicate or operator it stands in.
+    """
+    known = {ROOT_TYPE, *(t.name for t in domain.types)}
+
+    def check_types(parameters: Iterable[str], where: str) -> None:
+        for name in parameters:
+            if name not in known:
+                raise InputError(f"{where} uses the unknown type '{name}'; declared: {alternatives(known)}")
+
+    for predicate in domain.predicates:
+        check_types(predicate.types, f"predicate '{predicate.name}'")
+    for op in domain.operators:
+        where = f"operator '{op.name}'"
+        check_types((p.type for p in op.parameters), where)
+        scope = {p.name: p.type for p in op.parameters}
+        for atom in sorted(op.pre | op.add | op.delete | op.maintain):
+            check_atom(domain, atom, scope, where)
+        for absent in sorted(op.absent):
+            check_types((p.type for p in absent.over), where)
+            check_atom(domain, absent.atom, scope | {p.name: p.type for p in absent.over}, where)
+
+
+def check_problem(domain: Domain, problem: Problem) -> None:
+    """Check that the objects of a problem have declared types, are declared once, and that init and goal fit the predicates.
+
+    Raises
+    ------
+    InputError
+        At the first name, arity or type that does not fit.
+    """
+    where = f"problem '{problem.name}'"
+    known = {ROOT_TYPE, *(t.name for t in domain.types)}
+    names = [name for name, _ in problem.objects]
+    for name, kind in problem.objects:
+        if kind not in known:
+            raise InputError(f"{where}: object '{name}' has the unknown type '{kind}'; declared: {alternatives(known)}")
+        if names.count(name) > 1:
+            raise InputError(f"{where} declares the object '{name}' twice")
+    for what, atoms in (("init", problem.init), ("goal", problem.goal)):
+        for atom in sorted(atoms):
+            check_atom(domain, atom, problem.object_types, f"{where}, {what}")
