@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, Pose, karcher_mean
 from symskill_pddl.skills.config import FitConfig
 from symskill_pddl.skills.orientation import OrientationField, fit_orientation
+from symskill_pddl.skills.pairing import Pairing, fit_pairing
 from symskill_pddl.skills.position import PositionField, fit_position
 from symskill_pddl.skills.stability import Certificate
 from symskill_pddl.skills.trajectory import Trajectory
@@ -26,11 +28,14 @@ class Field:
         The two fields.
     certificates : (Certificate, Certificate)
         Of the position and of the orientation field.
+    pairing : Pairing
+        Keeps the two in step.
     """
 
     position: PositionField
     orientation: OrientationField
     certificates: tuple[Certificate, Certificate]
+    pairing: Pairing
 
     def twist(self, T_frame_ee: Pose) -> Array:
         """Twist (..., 6) at poses (...): linear [m/s], angular [rad/s], in the axes of the field's frame."""
@@ -38,7 +43,14 @@ class Field:
 
     def twist_at(self, p: Array, q: Array) -> Array:
         """The same for positions (..., 3) and unit quaternions (..., 4)."""
-        return np.concatenate([self.position.velocity(p), self.orientation.angular_velocity(q)], axis=-1)
+        e_p, e_q = p - self.position.goal, self.orientation.error(q)
+        v, omega = self.position.lpv.velocity(e_p), self.orientation.lpv.velocity(e_q)
+        P = self.certificates[0].P
+        if p.ndim == 1:
+            s_v, s_omega = self.pairing.factors_at(sqrt(e_p @ P @ e_p), sqrt(e_q @ e_q))
+            return np.concatenate((s_v * v, s_omega * omega))
+        s_p, s_q = self.pairing.factors(np.sqrt((e_p @ P * e_p).sum(-1)), np.sqrt((e_q * e_q).sum(-1)))
+        return np.concatenate((s_p[..., None] * v, s_q[..., None] * omega), axis=-1)
 
     @property
     def T_goal(self) -> Pose:
@@ -67,4 +79,9 @@ def fit_field(trajectories: Sequence[Trajectory], config: FitConfig) -> Field:
     goal_q = karcher_mean(np.stack([t.end.q for t in trajectories]))
     position, of_position = fit_position(trajectories, goal_p, config)
     orientation, of_orientation = fit_orientation(trajectories, goal_q, config)
-    return Field(position, orientation, (of_position, of_orientation))
+    errors = [(t.T_frame_ee.p - goal_p, orientation.error(t.T_frame_ee.q)) for t in trajectories]
+    pairing = fit_pairing(
+        [np.sqrt((e_p @ of_position.P * e_p).sum(-1)) for e_p, _ in errors],
+        [np.linalg.norm(np.atleast_2d(e_q), axis=-1) for _, e_q in errors],
+    )
+    return Field(position, orientation, (of_position, of_orientation), pairing)

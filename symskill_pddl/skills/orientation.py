@@ -47,7 +47,7 @@ class OrientationField:
         """Rotation vector (..., 3) [rad] from the goal to q (..., 4), in the axes of the field's frame."""
         q = np.asarray(q, dtype=np.float64)
         if q.shape == (4,):
-            return np.array(scalar.log(scalar.multiply(tuple(q.tolist()), self._inverse)))  # type: ignore[attr-defined]
+            return np.array(scalar.log(scalar.multiply(tuple(q.tolist()), self._inverse)))  # type: ignore[attr-defined,arg-type]
         return quat_log(quat_multiply(q, quat_conjugate(self.goal)))
 
     def angular_velocity(self, q: ArrayLike) -> Array:

@@ -16,6 +16,7 @@ from symskill_pddl.skills.field import Field
 from symskill_pddl.skills.lpv import Lpv
 from symskill_pddl.skills.mixture import Mixture
 from symskill_pddl.skills.orientation import OrientationField
+from symskill_pddl.skills.pairing import Pairing
 from symskill_pddl.skills.position import PositionField
 from symskill_pddl.skills.stability import Certificate
 
@@ -111,7 +112,11 @@ class Skill:
             out[f"{key}.frame"] = np.array(phase.frame)
             out[f"{key}.close_gripper"] = np.array(phase.close_gripper)
             out[f"{key}.limits"] = np.array([phase.tolerance_p, phase.tolerance_r, phase.duration_s])
-            parts = (("position", phase.field.position), ("orientation", phase.field.orientation))
+            out[f"{key}.pairing"] = np.concatenate([[phase.field.pairing.reach], phase.field.pairing.angles])
+            parts: tuple[tuple[str, PositionField | OrientationField], ...] = (
+                ("position", phase.field.position),
+                ("orientation", phase.field.orientation),
+            )
             for (name, part), certificate in zip(parts, phase.field.certificates, strict=True):
                 mixture = part.lpv.mixture
                 out[f"{key}.{name}.goal"] = part.goal
@@ -138,7 +143,7 @@ class Skill:
             return cls(phases, bool(arrays["close_gripper_at_end"]))
         except KeyError as error:
             raise FormatError(f"a skill's file lacks the array {error}") from None
-        except (InputError, TypeError, ValueError) as error:
+        except (InputError, IndexError, TypeError, ValueError) as error:
             raise FormatError(f"a skill's file holds arrays that do not fit together: {error}") from None
 
 
@@ -156,6 +161,7 @@ def _phase(arrays: Mapping[str, NDArray[Any]], key: str) -> Phase:
         PositionField(lpv(position), arrays[f"{position}.goal"]),
         OrientationField(lpv(orientation), arrays[f"{orientation}.goal"]),
         (certificate(position), certificate(orientation)),
+        Pairing(float(arrays[f"{key}.pairing"][0]), arrays[f"{key}.pairing"][1:]),
     )
     tolerance_p, tolerance_r, duration = (float(value) for value in arrays[f"{key}.limits"])
     return Phase(str(arrays[f"{key}.frame"]), field, bool(arrays[f"{key}.close_gripper"]), tolerance_p, tolerance_r, duration)

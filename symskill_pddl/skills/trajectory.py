@@ -137,7 +137,7 @@ def orientation_path(trajectory: Trajectory, goal: Array, config: FitConfig) -> 
     """The orientations' path to the unit quaternion `goal` (4,), or None when the demonstration stays at its goal."""
     q = continuous_signs(trajectory.T_frame_ee.q)
 
-    def angle(i: int, j: Array) -> Array:
+    def angle(i: int, j: NDArray[np.intp]) -> Array:
         return np.linalg.norm(quat_log(quat_multiply(q[j], quat_conjugate(q[i]))), axis=-1)
 
     kept = _moving(angle, len(q), config.still_fraction, config.min_rotation_rad)
@@ -185,7 +185,7 @@ def _cumulative(steps: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def _moving(distance: Callable[[int, Array], Array], n: int, fraction: float, least: float) -> list[int] | None:
+def _moving(distance: Callable[[int, NDArray[np.intp]], Array], n: int, fraction: float, least: float) -> list[int] | None:
     """Indices of the samples that lie apart by a dead band: jitter while standing still adds no way."""
     if n < 2:
         return None
