@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symskill_pddl.geometry import Array, Pose, quat_conjugate, quat_log, quat_multiply, rotation_distance
-from symskill_pddl.kitchen.human import Faults, Person, Stroke, stroke
+from symskill_pddl.kitchen.human import Faults, Person, Stroke, stroke, vary
+from symskill_pddl.kitchen.layout import hand_pose
 from symskill_pddl.scene import Command, Scene, World
 
 GAIN_1_S = 3.0
@@ -17,26 +18,25 @@ MAX_LINEAR_M_S, MAX_ANGULAR_RAD_S = 0.25, 1.2
 """Limits of what the hand commands, so that a recording stays within what a learned skill may do."""
 
 
-def facing(yaw: float, pitch: float, like: Pose | None = None) -> Array:
-    """Orientation (4,) of a hand whose approach direction has this yaw about the vertical and points `pitch` down.
+def facing(yaw: float, pitch: float, like: Pose, roll: float = 0.0) -> Array:
+    """Orientation (4,) of a hand that looks `pitch` [rad] below the horizontal, turned by `yaw` about the vertical.
 
-    The fingers open level. Two orientations do this, for the hand is symmetric under a half turn; the one nearer to `like` is taken.
+    The fingers open level, or turned by `roll` about the approach direction. Two orientations do this, for the hand is symmetric under
+    a half turn: the one nearer to `like` is taken.
     """
-    approach = np.array([np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), -np.sin(pitch)])
-    opening = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
-    candidates = []
-    for sign in (1.0, -1.0):
-        T = np.eye(4)
-        T[:3, :3] = np.stack([np.cross(sign * opening, approach), sign * opening, approach], axis=-1)
-        candidates.append(Pose.from_matrix(T))
-    if like is None:
-        return candidates[0].q
-    return min(candidates, key=lambda T: float(rotation_distance(T, like))).q
+    T = hand_pose((0.0, 0.0, 0.0), yaw, pitch) @ Pose.from_rotvec(np.zeros(3), [0.0, 0.0, roll])
+    flipped = T @ Pose.from_rotvec(np.zeros(3), [0.0, 0.0, np.pi])
+    return T.q if rotation_distance(T, like) <= rotation_distance(flipped, like) else flipped.q
+
+
+def offset(p: ArrayLike) -> Pose:
+    """A shift without a turn."""
+    return Pose(np.asarray(p, dtype=np.float64), np.array([1.0, 0.0, 0.0, 0.0]))
 
 
 def along(T: Pose, distance_m: float) -> Pose:
     """The pose moved along its own approach direction; negative backs off."""
-    return T @ Pose(np.array([0.0, 0.0, distance_m]), np.array([1.0, 0.0, 0.0, 0.0]))
+    return T @ offset([0.0, 0.0, distance_m])
 
 
 def moved(T: Pose, shift: ArrayLike) -> Pose:
@@ -51,6 +51,7 @@ class Hand:
         self.world, self.person, self.faults, self.rng = world, person, faults, rng
         self.scenes: list[Scene] = [world.observe()]
         self.closed = self.scenes[-1].gripper_closed
+        self.T_world_home = self.scenes[-1].T_world_ee
 
     @property
     def scene(self) -> Scene:
@@ -71,6 +72,12 @@ class Hand:
             if np.linalg.norm(self.T.p - via[-1].p) < 0.004 and rotation_distance(self.T, via[-1]) < 0.03:
                 return
             self._towards(via[-1], np.zeros(6))
+
+    def leave(self) -> None:
+        """Back to about where the hand was at first, and a short rest there, as a person ends a demonstration."""
+        self.closed = False
+        self.go([vary(self.T_world_home, self.rng, 0.025, 0.08)])
+        self.rest(float(self.rng.uniform(1.0, 2.5)))
 
     def rest(self, seconds: float) -> None:
         """Stay here."""

@@ -1,0 +1,75 @@
+"""Recordings: let the demonstrator do a task in fresh episodes and keep what it did as `Demo`s."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from symskill_pddl.kitchen.demonstrator import demonstrate
+
+from symskill_pddl.demos.demo import Demo
+from symskill_pddl.errors import InputError
+from symskill_pddl.geometry import Pose
+from symskill_pddl.kitchen import make
+from symskill_pddl.scene import Scene
+
+MAX_SEED = 2**31 - 1
+
+
+def record(task: str, n: int, seed: int, keep_failed: bool = False) -> tuple[Demo, ...]:
+    """`n` demonstrations of a task by people who differ; the same arguments give the same bytes.
+
+    Parameters
+    ----------
+    task : str
+        Name of a task of the kitchen.
+    n : int
+        How many demonstrations, at least 1.
+    seed : int
+        The first episode's seed; the following episodes have the following seeds.
+    keep_failed : bool
+        Keep the episodes in which the judge saw no success. Otherwise they are dropped and the next seeds are tried.
+
+    Returns
+    -------
+    tuple of Demo
+        In order of their seeds; attributes `task`, `seed` and `success` (0 or 1).
+
+    Raises
+    ------
+    InputError
+        For an unknown task, a count below 1 or a negative seed; if more than half of `2 n + 10` episodes fail.
+    """
+    if n < 1 or seed < 0 or seed > MAX_SEED:
+        raise InputError(f"recording needs at least 1 demonstration and a seed from 0 to {MAX_SEED}, got {n} and {seed}")
+    demos: list[Demo] = []
+    limit = n if keep_failed else 2 * n + 10
+    for episode in range(seed, seed + limit):
+        if len(demos) == n:
+            break
+        world = make(task, episode)
+        scenes = demonstrate(world, np.random.default_rng([episode, 1]))
+        success = world.succeeded()
+        if success or keep_failed:
+            attributes: dict[str, str | int | float] = {"task": task, "seed": episode, "success": int(success)}
+            demos.append(demo_of(scenes, f"demo_{len(demos)}", task, attributes))
+    if len(demos) < n:
+        raise InputError(f"task '{task}': of {limit} episodes from seed {seed} on only {len(demos)} succeeded, not {n}")
+    return tuple(demos)
+
+
+def demo_of(scenes: Sequence[Scene], name: str, task: str, attributes: dict[str, str | int | float]) -> Demo:
+    """Scenes of one episode as one `Demo`."""
+    return Demo(
+        name=name,
+        source="kitchen",
+        task=task,
+        times=np.array([scene.time for scene in scenes]) - scenes[0].time,
+        T_world_ee=Pose.stack([scene.T_world_ee for scene in scenes]),
+        aperture=np.array([scene.aperture for scene in scenes]),
+        gripper_closed=np.array([scene.gripper_closed for scene in scenes]),
+        objects=dict(scenes[0].objects),
+        T_world_objects=Pose.stack([scene.T_world_objects for scene in scenes]),
+        extents={},
+        attributes=attributes,
+    )
