@@ -1,0 +1,160 @@
+"""The stepping loop: MuJoCo's model and data, the arm's torque control between its two half steps, and what only a simulator can read or set.
+
+robosuite's own loop runs its Python controllers at every physics step and is five times slower.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from symskill_pddl.control import PassiveController
+from symskill_pddl.geometry import Array, Pose
+from symskill_pddl.kitchen import layout
+from symskill_pddl.kitchen.backend import load_mujoco
+from symskill_pddl.kitchen.model import ARM_JOINTS, DOOR_JOINT, EE_SITE, FINGER_JOINTS, kitchen_model
+
+OPEN_APERTURE = 0.08
+_OPEN, _CLOSED = (0.04, -0.04), (-0.02, 0.02)
+
+
+class Physics:
+    """One kitchen in motion. Everything here is the simulator's own state: for set-up, judges and disturbances, not for controllers.
+
+    Attributes
+    ----------
+    model, data : mujoco.MjModel, mujoco.MjData
+    controller : PassiveController
+    door_torque : float
+        External torque about the door's hinge during the next steps [Nm]; positive opens.
+    hand_force : (3,)
+        External force on the hand during the next steps [N], world axes.
+    """
+
+    def __init__(self, controller: PassiveController | None = None) -> None:
+        self._mj = load_mujoco()
+        self.model = kitchen_model()
+        self.data = self._mj.MjData(self.model)
+        self.controller = controller or PassiveController()
+        self.door_torque = 0.0
+        self.hand_force = np.zeros(3)
+
+        joint = self.model.joint
+        self._arm_q = np.array([joint(name).qposadr[0] for name in ARM_JOINTS])
+        self._arm_v = np.array([joint(name).dofadr[0] for name in ARM_JOINTS])
+        self._finger_q = np.array([joint(name).qposadr[0] for name in FINGER_JOINTS])
+        self._door_q, self._door_v = int(joint(DOOR_JOINT).qposadr[0]), int(joint(DOOR_JOINT).dofadr[0])
+        self._food_q = {name: int(joint(f"{name}_joint0").qposadr[0]) for name in layout.FOODS}
+        self._food_v = {name: int(joint(f"{name}_joint0").dofadr[0]) for name in layout.FOODS}
+        self._site = int(self.model.site(EE_SITE).id)
+        self._hand = int(self.model.body("gripper0_right_right_gripper").id)
+        bodies = [name if name not in layout.FOODS else f"{name}_main" for name in layout.TYPES]
+        self._bodies = {name: int(self.model.body(body).id) for name, body in zip(layout.TYPES, bodies, strict=True)}
+        self._body_ids = np.array(list(self._bodies.values()))
+        self._robot = {b for b in range(self.model.nbody) if self.model.body(b).name.startswith(("robot0", "gripper0"))}
+        actuator = self.model.actuator
+        self._motors = np.array([actuator(n.replace("robot0_joint", "robot0_torq_j")).id for n in ARM_JOINTS])
+        self._fingers = np.array([actuator(f"gripper0_right_gripper_finger_joint{i}").id for i in (1, 2)])
+        self.arm_range: Array = np.array([joint(name).range for name in ARM_JOINTS])
+        nv = self.model.nv
+        self._J, self._M = np.zeros((6, nv)), np.zeros((nv, nv))
+
+    # --- state, read
+
+    def T_world_ee(self) -> Pose:
+        site = self.data.site(EE_SITE)
+        q = np.empty(4)
+        self._mj.mju_mat2Quat(q, site.xmat)
+        return Pose(site.xpos, q)
+
+    def T_world_objects(self) -> Pose:
+        """Poses (n,) of the objects in the order of `layout.TYPES`."""
+        return Pose(self.data.xpos[self._body_ids], self.data.xquat[self._body_ids])
+
+    def T_world(self, name: str) -> Pose:
+        body = self._bodies[name]
+        return Pose(self.data.xpos[body], self.data.xquat[body])
+
+    @property
+    def aperture(self) -> float:
+        """Opening between the finger pads [m]."""
+        left, right = self.data.qpos[self._finger_q]
+        return max(0.0, float(left - right))
+
+    @property
+    def arm(self) -> Array:
+        """Joint positions (7,) [rad]."""
+        return np.asarray(self.data.qpos[self._arm_q])
+
+    @property
+    def door_angle(self) -> float:
+        """[rad]"""
+        return float(self.data.qpos[self._door_q])
+
+    @property
+    def door_speed(self) -> float:
+        """[rad/s]"""
+        return float(self.data.qvel[self._door_v])
+
+    def speed(self, food: str) -> float:
+        """Speed of a food's centre [m/s]."""
+        v = self._food_v[food]
+        return float(np.linalg.norm(self.data.qvel[v : v + 3]))
+
+    def robot_touches(self, name: str) -> bool:
+        """Whether any part of the robot is in contact with the object."""
+        body = self._bodies[name]
+        owners = self.model.geom_bodyid[self.data.contact.geom[: self.data.ncon]]
+        return any((a == body and b in self._robot) or (b == body and a in self._robot) for a, b in owners.tolist())
+
+    # --- state, set (episodes, tests)
+
+    def set_cabinet(self, shift: ArrayLike) -> None:
+        """Put the cabinet at its place in the layout plus `shift` (3,) [m]."""
+        self.model.body_pos[self._bodies["cabinet"]] = np.asarray(layout.CABINET.center) + np.asarray(shift)
+
+    def set_door(self, angle: float) -> None:
+        self.data.qpos[self._door_q], self.data.qvel[self._door_v] = angle, 0.0
+
+    def set_food(self, name: str, T_world_food: Pose) -> None:
+        at, v = self._food_q[name], self._food_v[name]
+        self.data.qpos[at : at + 7], self.data.qvel[v : v + 6] = T_world_food.vector(), 0.0
+
+    def set_arm(self, q: ArrayLike, aperture: float = OPEN_APERTURE) -> None:
+        self.data.qpos[self._arm_q], self.data.qvel[self._arm_v] = q, 0.0
+        self.data.qpos[self._finger_q] = (aperture / 2, -aperture / 2)
+
+    def forward(self) -> None:
+        """Recompute all that follows from the state."""
+        self._mj.mj_forward(self.model, self.data)
+
+    def jacobian(self) -> Array:
+        """Jacobian (6, 7) of the end-effector frame, linear rows first, world axes."""
+        self._mj.mj_jacSite(self.model, self.data, self._J[:3], self._J[3:], self._site)
+        return np.ascontiguousarray(self._J[:, self._arm_v])
+
+    def kinematics(self) -> None:
+        """Recompute poses only (for inverse kinematics)."""
+        self._mj.mj_kinematics(self.model, self.data)
+        self._mj.mj_comPos(self.model, self.data)
+
+    # --- motion
+
+    def advance(self, twist: Array, close_gripper: bool, steps: int) -> None:
+        """Run physics steps with the arm tracking `twist` (6,) and the fingers driven shut or open."""
+        mj, model, data = self._mj, self.model, self.data
+        dt, torques, arm_v = model.opt.timestep, self.controller.torques, self._arm_v
+        block = np.ix_(arm_v, arm_v)
+        data.ctrl[self._fingers] = _CLOSED if close_gripper else _OPEN
+        data.qfrc_applied[self._door_v] = self.door_torque
+        data.xfrc_applied[self._hand, :3] = self.hand_force
+        for _ in range(steps):
+            mj.mj_step1(model, data)
+            mj.mj_fullM(model, self._M, data.qM)
+            M = np.ascontiguousarray(self._M[block])
+            data.ctrl[self._motors] = torques(
+                data.qpos[self._arm_q], data.qvel[arm_v], self.jacobian(), M, data.qfrc_bias[arm_v], twist, dt
+            )
+            mj.mj_step2(model, data)
+        # poses belong to the state after the last step, not the one before it
+        mj.mj_forward(model, data)

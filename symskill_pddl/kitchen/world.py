@@ -1,0 +1,145 @@
+"""`Kitchen`: the simulated kitchen as a `World`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.random import default_rng
+
+from symskill_pddl.errors import InputError
+from symskill_pddl.geometry import Array
+from symskill_pddl.kitchen import arm, layout
+from symskill_pddl.kitchen.disturbances import Disturbance
+from symskill_pddl.kitchen.physics import Physics
+from symskill_pddl.kitchen.tasks import Episode, TaskSpec, food_pose, task_named
+from symskill_pddl.scene import Command, Scene
+
+PHYSICS_STEPS = 25
+MAX_SPEED, MAX_RATE = 0.6, 2.0
+"""What the arm carries out at most [m/s], [rad/s]; faster commands are scaled down."""
+
+
+class Kitchen:
+    """One episode: the robot in front of the counter, a task, and what may go wrong.
+
+    Attributes
+    ----------
+    episode : Episode
+        What was drawn from the seed.
+    physics : Physics
+        The simulator. Judges, disturbances and demonstrators may look; learned controllers see `observe()` only.
+    disturbances : tuple of Disturbance
+        What will be done to the scene.
+    extents : dict of str to (float, float, float)
+        Half sizes per type [m].
+    """
+
+    def __init__(self, spec: TaskSpec, episode: Episode, physics: Physics, disturbances: tuple[Disturbance, ...] = ()) -> None:
+        self.spec, self.episode, self.physics, self.disturbances = spec, episode, physics, disturbances
+        self.extents = dict(layout.EXTENTS)
+        self.forced_open = False
+        self._closed = False
+
+    @property
+    def period_s(self) -> float:
+        """Control period [s]."""
+        return 0.05
+
+    @property
+    def task(self) -> str:
+        return self.spec.name
+
+    @property
+    def focus(self) -> tuple[str, ...]:
+        """Names of the objects the task is about."""
+        return self.episode.focus
+
+    @property
+    def time(self) -> float:
+        """Seconds since the start of the episode."""
+        return round(float(self.physics.data.time), 9)
+
+    def observe(self) -> Scene:
+        """The present scene."""
+        return Scene(
+            time=self.time,
+            T_world_ee=self.physics.T_world_ee(),
+            aperture=self.physics.aperture,
+            gripper_closed=self._closed,
+            objects=dict(layout.TYPES),
+            T_world_objects=self.physics.T_world_objects(),
+        )
+
+    def step(self, command: Command) -> Scene:
+        """Carry out the command for one period and return the scene after it."""
+        for disturbance in self.disturbances:
+            disturbance.act(self)
+        self._closed = command.close_gripper
+        self.physics.advance(_limited(command.twist), command.close_gripper and not self.forced_open, PHYSICS_STEPS)
+        return self.observe()
+
+    def notify_step(self, k: int) -> None:
+        """The executor starts its k-th operator (from 0): disturbances may wait for it."""
+        for disturbance in self.disturbances:
+            disturbance.operator_started(k)
+
+    def succeeded(self) -> bool:
+        """The judge, on the simulator's own state."""
+        return self.spec.judge(self.physics, self.episode)
+
+
+def _limited(twist: Array) -> Array:
+    """The twist, scaled down as a whole to what the arm is allowed."""
+    excess = max(float(np.linalg.norm(twist[:3])) / MAX_SPEED, float(np.linalg.norm(twist[3:])) / MAX_RATE, 1.0)
+    return np.array(twist) / excess
+
+
+def make(task: str, seed: int, disturbances: Iterable[Disturbance] = ()) -> Kitchen:
+    """An episode of a task, drawn from the seed; same seed, same episode, bit for bit.
+
+    Raises
+    ------
+    InputError
+        The task is unknown, or no episode within the arm's reach was drawn.
+    MissingDependencyError
+        robosuite, mujoco or a library they need is not installed.
+    """
+    spec = task_named(task)
+    rng = default_rng(seed)
+    physics = Physics()
+    for _ in range(50):
+        episode = spec.draw(rng)
+        if _set_up(physics, episode):
+            return Kitchen(spec, episode, physics, tuple(disturbances))
+    raise InputError(f"task '{task}', seed {seed}: no episode within the arm's reach in 50 draws")
+
+
+def _set_up(physics: Physics, episode: Episode) -> bool:
+    """Put everything in place and let it come to rest; False when the arm could not reach what it has to."""
+    mj_reset(physics)
+    physics.set_cabinet(episode.cabinet_shift)
+    physics.set_door(episode.door_angle)
+    for name, place in episode.foods.items():
+        physics.set_food(name, food_pose(name, place, episode.cabinet_shift))
+    start = arm.solve(physics, episode.T_start)
+    if start is None:
+        return False
+    physics.set_arm(start)
+    physics.forward()
+    if any(arm.solve(physics, T, start) is None for T in episode.must_reach(physics.T_world("door"))):
+        return False
+    for _ in range(20):
+        physics.advance(np.zeros(6), False, PHYSICS_STEPS)
+    physics.set_arm(start)
+    physics.data.qvel[:] = 0.0
+    physics.data.time = 0.0
+    physics.controller.reset()
+    physics.forward()
+    placed = (np.linalg.norm(physics.T_world(n).p - food_pose(n, at, episode.cabinet_shift).p) for n, at in episode.foods.items())
+    return max(placed) < 0.01 and abs(physics.door_angle - episode.door_angle) < 0.02
+
+
+def mj_reset(physics: Physics) -> None:
+    """The model's zero state."""
+    physics.data.qpos[:], physics.data.qvel[:], physics.data.qacc_warmstart[:] = physics.model.qpos0, 0.0, 0.0
