@@ -132,9 +132,7 @@ def exported(domain: Domain, dialect: str) -> Exported:
 def unifiable(domain: Domain, op: Operator) -> tuple[tuple[str, str], ...]:
     """Pairs of parameters to which PDDL could bind one object: the type of one is the other's, or above it."""
     return tuple(
-        (a.name, b.name)
-        for a, b in combinations(op.parameters, 2)
-        if domain.is_a(a.type, b.type) or domain.is_a(b.type, a.type)
+        (a.name, b.name) for a, b in combinations(op.parameters, 2) if domain.is_a(a.type, b.type) or domain.is_a(b.type, a.type)
     )
 
 
@@ -166,9 +164,7 @@ def _positive(original: Domain, domain: Domain) -> Exported:
     for complement in complements.values():
         if complement.over:
             _prove_exclusive(domain, complement)
-    clash = {
-        p.type for op in domain.operators for pair in unifiable(domain, op) for p in op.parameters if p.name in pair
-    }
+    clash = {p.type for op in domain.operators for pair in unifiable(domain, op) for p in op.parameters if p.name in pair}
     different = fresh("different", domain) if clash else ""
     predicates = [*domain.predicates]
     for complement in complements.values():
@@ -185,9 +181,7 @@ def _positive(original: Domain, domain: Domain) -> Exported:
             filled = {complement.of(a) for a in op.add if _touches(domain, op, complement, a)}
             delete |= filled
             add |= {complement.of(a) for a in op.delete if _touches(domain, op, complement, a)} - filled
-        operators.append(
-            replace(op, pre=frozenset(pre), add=frozenset(add), delete=frozenset(delete), absent=frozenset())
-        )
+        operators.append(replace(op, pre=frozenset(pre), add=frozenset(add), delete=frozenset(delete), absent=frozenset()))
     compiled = replace(domain, predicates=tuple(predicates), operators=tuple(operators))
     return Exported(compiled, original, "strips", tuple(complements.values()), different, tuple(sorted(clash)))
 

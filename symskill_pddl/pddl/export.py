@@ -62,18 +62,22 @@ def write_domain(
     top = [*_comment(header)]
     if dialect == "costs":
         top.append(f"costs are in 1/{COST_SCALE} of the unit that they were learned in")
-    return _environment().get_template("domain.pddl.j2").render(
-        domain=form.domain,
-        requirements=requirements(form),
-        comments=lines,
-        header=top,
-        costs=dialect == "costs",
-        temporal=dialect == "temporal",
-        signature=signature,
-        parameters=parameter_list,
-        number=number,
-        conditions=lambda op: list(_conditions(form, op)),
-        effects=lambda op: list(_effects(form, op)),
+    return (
+        _environment()
+        .get_template("domain.pddl.j2")
+        .render(
+            domain=form.domain,
+            requirements=requirements(form),
+            comments=lines,
+            header=top,
+            costs=dialect == "costs",
+            temporal=dialect == "temporal",
+            signature=signature,
+            parameters=parameter_list,
+            number=number,
+            conditions=lambda op: list(_conditions(form, op)),
+            effects=lambda op: list(_effects(form, op)),
+        )
     )
 
 
@@ -89,13 +93,17 @@ def write_problem(problem: Problem, domain: Domain, *, dialect: str = "strips", 
     check_problem_names(problem, domain)
     form = exported(domain, dialect)
     whole = form.problem(problem)
-    return _environment().get_template("problem.pddl.j2").render(
-        problem=whole,
-        init=sorted(whole.init),
-        goal=sorted(whole.goal),
-        header=[*_comment(header)],
-        costs=dialect == "costs",
-        temporal=dialect == "temporal",
+    return (
+        _environment()
+        .get_template("problem.pddl.j2")
+        .render(
+            problem=whole,
+            init=sorted(whole.init),
+            goal=sorted(whole.goal),
+            header=[*_comment(header)],
+            costs=dialect == "costs",
+            temporal=dialect == "temporal",
+        )
     )
 
 

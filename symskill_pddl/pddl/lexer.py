@@ -55,7 +55,10 @@ def _tokens(text: str, source: str) -> Iterator[Word]:
                 break
             if token not in "()" and not _WORD.fullmatch(token):
                 raise ParseError(
-                    f"'{match.group()}' is not a PDDL name (letters a-z, digits, '-' and '_')", source=source, line=number, column=column
+                    f"'{match.group()}' is not a PDDL name (letters a-z, digits, '-' and '_')",
+                    source=source,
+                    line=number,
+                    column=column,
                 )
             yield Word(token, number, column)
 

@@ -33,7 +33,9 @@ _KINDS = ("types", "predicates", "operators", "objects")
 def check_name(name: str, what: str) -> None:
     """Raise `InputError` where a name is not a lower-case PDDL name or is a keyword."""
     if not _NAME.fullmatch(name):
-        raise InputError(f"{what} '{name}' is not a PDDL name: lower-case letters, digits, '-' and '_', a letter first; like '{legal(name)}'")
+        raise InputError(
+            f"{what} '{name}' is not a PDDL name: lower-case letters, digits, '-' and '_', a letter first; like '{legal(name)}'"
+        )
     if name in RESERVED:
         raise InputError(f"{what} '{name}' is a word of PDDL itself; take another, like '{legal(name)}'")
 
@@ -131,7 +133,9 @@ class Names(BaseModel):
             *(("objects", name) for name in objects),
         ]
         if unknown := sorted(set(wished) - {identifier for _, identifier in listed}):
-            raise InputError(f"cannot rename '{unknown[0]}', there is no such name; there are: {alternatives(n for _, n in listed)}")
+            raise InputError(
+                f"cannot rename '{unknown[0]}', there is no such name; there are: {alternatives(n for _, n in listed)}"
+            )
         chosen: dict[str, dict[str, str]] = {kind: {} for kind in _KINDS}
         taken: set[str] = set()
         for identifier, name in wished.items():
@@ -185,7 +189,9 @@ class Names(BaseModel):
     def atoms(self, atoms: Iterable[Atom], variables: Mapping[str, str] | None = None) -> frozenset[Atom]:
         """Atoms under the exported names; `variables` maps parameters."""
         names = self.objects if variables is None else {**self.objects, **variables}
-        return frozenset(Atom(self.predicates.get(a.predicate, a.predicate), tuple(names.get(x, x) for x in a.args)) for a in atoms)
+        return frozenset(
+            Atom(self.predicates.get(a.predicate, a.predicate), tuple(names.get(x, x) for x in a.args)) for a in atoms
+        )
 
     def plan(self, plan: Plan) -> Plan:
         """The plan under the exported names."""

@@ -123,7 +123,9 @@ class _Reader:
         for section in self._find(sections, ":requirements"):
             for item in section.items[1:]:
                 if self.word(item, "a requirement") not in _REQUIREMENTS:
-                    raise self.error(item, f"the requirement '{item}' is not supported; supported are: {alternatives(_REQUIREMENTS)}")
+                    raise self.error(
+                        item, f"the requirement '{item}' is not supported; supported are: {alternatives(_REQUIREMENTS)}"
+                    )
         for section in self._find(sections, ":types"):
             listed = self._typed(section.items[1:], "a type")
             known = {ROOT_TYPE, *(word.text for word, _ in listed)}
@@ -212,7 +214,11 @@ class _Reader:
                 raise self.error(node, "expected a type after '-'")
             kind = rest.pop(0)
             if isinstance(kind, Group):
-                raise self.unsupported(kind, _UNSUPPORTED["either"]) if kind.head == "either" else self.error(kind, "expected a type")
+                raise (
+                    self.unsupported(kind, _UNSUPPORTED["either"])
+                    if kind.head == "either"
+                    else self.error(kind, "expected a type")
+                )
             pairs += [(name, kind) for name in waiting]
             waiting = []
         return pairs + [(name, Word(ROOT_TYPE, name.line, name.column)) for name in waiting]

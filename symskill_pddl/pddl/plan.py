@@ -50,7 +50,9 @@ def read_plan(text: str, domain: Domain, objects: Mapping[str, str], source: str
         match = _STEP.fullmatch(code)
         column = line.index(code[0]) + 1
         if match is None:
-            raise ParseError(f"expected a step like '(pick apple table)', got '{code}'", source=source, line=number, column=column)
+            raise ParseError(
+                f"expected a step like '(pick apple table)', got '{code}'", source=source, line=number, column=column
+            )
         words = match[2].lower().split()
         if not words:
             raise ParseError("expected an operator's name, got '()'", source=source, line=number, column=column)

@@ -1,0 +1,129 @@
+"""Why a goal cannot be reached, in words, by delete relaxation; and which part of it can."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import combinations
+
+from symskill_pddl.errors import alternatives
+from symskill_pddl.planning.grounding import reachable
+from symskill_pddl.planning.protocol import Limits, Planner, Status
+from symskill_pddl.symbols import Atom, Domain, Operator, Problem
+
+_CLOSEST = 3
+"""How many nearly applicable steps an explanation names for one atom."""
+
+
+def explain(domain: Domain, problem: Problem, limits: Limits = Limits()) -> tuple[str, ...]:
+    """One or more lines for each goal atom that stands in the way; empty where the relaxation finds nothing wrong.
+
+    The relaxation never deletes and forbids nothing, so what it cannot reach, no plan can. What it reaches may still be out of reach:
+    then the goal atoms exclude one another or a negative condition blocks them, and `nearest_goal` says what can be had.
+
+    Raises
+    ------
+    InputError
+        The problem does not fit the domain.
+    """
+    _, reached = reachable(domain, problem, limit=limits.ground_operators)
+    lines: list[str] = []
+    asked: set[Atom] = set()
+    for atom in sorted(problem.goal - reached.keys()):
+        lines += _why(domain, problem, reached, atom, "goal", asked)
+    return tuple(lines)
+
+
+def _why(domain: Domain, problem: Problem, reached: dict[Atom, int], atom: Atom, role: str, asked: set[Atom]) -> Iterable[str]:
+    if atom in asked:
+        return
+    asked.add(atom)
+    adders = [(op, effect) for op in domain.operators for effect in sorted(op.add) if effect.predicate == atom.predicate]
+    if not adders:
+        yield f"{role} {atom}: no operator adds '{atom.predicate}', and it does not hold at the start"
+        return
+    attempts = []
+    for op, effect in adders:
+        if (found := _closest(domain, problem, reached, op, effect, atom)) is not None:
+            attempts.append(found)
+    if not attempts:
+        names = alternatives({op.name for op, _ in adders})
+        yield f"{role} {atom}: no binding of {names} adds it, there are no objects of the right types for the other parameters"
+        return
+    attempts.sort(key=lambda found: (len(found[1]), found[0]))
+    fewest = len(attempts[0][1])
+    missing_next: set[Atom] = set()
+    for step, missing in attempts[:_CLOSEST]:
+        if len(missing) > fewest:
+            break
+        needs = " and ".join(map(str, missing))
+        yield f"{role} {atom}: {step} would add it, but needs {needs}, which cannot be reached"
+        missing_next.update(missing)
+    for needed in sorted(missing_next):
+        yield from _why(domain, problem, reached, needed, "needed", asked)
+
+
+def _closest(
+    domain: Domain, problem: Problem, reached: dict[Atom, int], op: Operator, effect: Atom, atom: Atom
+) -> tuple[str, tuple[Atom, ...]] | None:
+    """The binding of `op` that adds `atom` with the fewest unreachable preconditions, found parameter by parameter."""
+    binding: dict[str, str] = {}
+    for variable, arg in zip(effect.args, atom.args, strict=True):
+        if binding.setdefault(variable, arg) != arg:
+            return None
+    objects = problem.object_types
+    kinds = {p.name: p.type for p in op.parameters}
+    if len(set(binding.values())) != len(binding) or any(not domain.is_a(objects[o], kinds[v]) for v, o in binding.items()):
+        return None
+    for parameter in op.parameters:
+        if parameter.name in binding:
+            continue
+        pool = [o for o, t in problem.objects if domain.is_a(t, parameter.type) and o not in binding.values()]
+        if not pool:
+            return None
+        scored = [(len(_missing(op, {**binding, parameter.name: o}, reached)), i, o) for i, o in enumerate(pool)]
+        binding[parameter.name] = min(scored)[2]
+    step = "(" + " ".join((op.name, *(binding[p.name] for p in op.parameters))) + ")"
+    return step, tuple(_missing(op, binding, reached))
+
+
+def _missing(op: Operator, binding: dict[str, str], reached: dict[Atom, int]) -> list[Atom]:
+    """Preconditions that no reached atom fulfils; variables that are still free match anything."""
+    missing = []
+    for atom in sorted(op.pre):
+        ground = atom.substitute(binding)
+        if ground.variables:
+            fits = any(
+                fact.predicate == ground.predicate
+                and all(a == b or a.startswith("?") for a, b in zip(ground.args, fact.args, strict=True))
+                for fact in reached
+            )
+        else:
+            fits = ground in reached
+        if not fits:
+            missing.append(ground)
+    return missing
+
+
+def nearest_goal(domain: Domain, problem: Problem, planner: Planner, limits: Limits = Limits(time_s=1.0)) -> frozenset[Atom]:
+    """A largest part of the goal that the planner solves within the limits, per call; possibly empty.
+
+    Subsets are tried from large to small up to eight goal atoms; longer goals are built up greedily, atom by atom.
+    """
+    _, reached = reachable(domain, problem, limit=limits.ground_operators)
+    atoms = sorted(a for a in problem.goal if a in reached)
+
+    def solved(goal: Iterable[Atom]) -> bool:
+        return planner.solve(domain, replace(problem, goal=frozenset(goal)), limits).status is Status.SOLVED
+
+    if len(atoms) <= 8:
+        for size in range(len(atoms), 0, -1):
+            for subset in combinations(atoms, size):
+                if solved(subset):
+                    return frozenset(subset)
+        return frozenset()
+    kept: list[Atom] = []
+    for atom in atoms:
+        if solved([*kept, atom]):
+            kept.append(atom)
+    return frozenset(kept)

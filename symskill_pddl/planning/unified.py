@@ -1,0 +1,108 @@
+"""`unified-planning:ENGINE`: any engine that unified-planning knows, by name. Imported when first asked for, it takes a second."""
+
+from __future__ import annotations
+
+import io
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from symskill_pddl.errors import InputError, MissingDependencyError, ParseError, alternatives
+from symskill_pddl.pddl.export import write_domain, write_problem
+from symskill_pddl.pddl.names import Names
+from symskill_pddl.pddl.plan import read_plan
+from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Status, Step
+from symskill_pddl.symbols import Domain, Plan, Problem
+
+_UNSOLVABLE = ("UNSOLVABLE_PROVEN",)
+_SOLVED = ("SOLVED_SATISFICING", "SOLVED_OPTIMALLY")
+
+
+def _unified() -> Any:
+    try:
+        return import_module("unified_planning.shortcuts")
+    except ImportError:
+        raise MissingDependencyError("unified-planning is not installed; pip install unified-planning") from None
+
+
+def engines() -> tuple[str, ...]:
+    """Names of the installed engines that make plans."""
+    factory = _unified().get_environment().factory
+    return tuple(sorted(name for name in factory.engines if factory.engine(name).is_oneshot_planner()))
+
+
+@dataclass(frozen=True)
+class UnifiedPlanning:
+    """One engine. `dialect` is what is written for it; the engine is asked first whether it takes the problem."""
+
+    engine: str
+    dialect: str = "costs"
+    licence: str = "Apache-2.0 (unified-planning); see the engine's own"
+    dialects: tuple[str, ...] = ("strips", "negative", "costs")
+
+    @classmethod
+    def checked(cls, engine: str) -> UnifiedPlanning:
+        """The engine, if it is installed; raises `InputError` with the engines there are."""
+        if engine not in (known := engines()):
+            raise InputError(f"unified-planning has no engine '{engine}' installed; it has: {alternatives(known)}")
+        return cls(engine)
+
+    @property
+    def name(self) -> str:
+        return f"unified-planning:{self.engine}"
+
+    @property
+    def version(self) -> str:
+        try:
+            return version("unified-planning")
+        except PackageNotFoundError:
+            return "unknown"
+
+    def solve(
+        self,
+        domain: Domain,
+        problem: Problem,
+        limits: Limits = Limits(),
+        extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS,
+    ) -> PlanResult:
+        """Plan; extra costs of ground steps are ignored, which a message says."""
+        start = time.monotonic()
+        ignored = ("unified-planning ignores the extra costs of ground steps",) if any(extra_costs.values()) else ()
+
+        def result(status: Status, plan: Plan | None = None, *more: str) -> PlanResult:
+            return PlanResult(status, plan, time.monotonic() - start, (*more, *ignored), self.name)
+
+        names = Names.of(domain, problem.object_types)
+        exported_domain, exported_problem = names.domain(domain), names.problem(problem)
+        shortcuts = _unified()
+        shortcuts.get_environment().credits_stream = None
+        reader = import_module("unified_planning.io").PDDLReader()
+        translated = reader.parse_problem_string(
+            write_domain(exported_domain, dialect=self.dialect),
+            write_problem(exported_problem, exported_domain, dialect=self.dialect),
+        )
+        try:
+            with shortcuts.OneshotPlanner(name=self.engine) as engine:
+                if not engine.supports(translated.kind):
+                    return result(Status.FAILED, None, f"the engine '{self.engine}' does not support {translated.kind}")
+                answer = engine.solve(translated, timeout=limits.time_s, output_stream=io.StringIO())
+        except Exception as error:  # noqa: BLE001 - engines raise whatever they like; the status says that they failed
+            return result(Status.FAILED, None, f"{type(error).__name__}: {error}".splitlines()[0])
+        status = answer.status.name
+        if status in _SOLVED and answer.plan is not None:
+            text = "\n".join(
+                "(" + " ".join((step.action.name, *map(str, step.actual_parameters))) + ")" for step in answer.plan.actions
+            )
+            try:
+                plan = names.inverse().plan(read_plan(text, exported_domain, exported_problem.object_types, self.name))
+            except ParseError as error:
+                return result(Status.FAILED, None, str(error))
+            return result(Status.SOLVED, Plan(plan.steps, sum(s.cost for s in plan.ground(domain, problem.object_types))))
+        if status in _UNSOLVABLE:
+            return result(Status.UNSOLVABLE)
+        if status == "TIMEOUT":
+            return result(Status.TIMEOUT, None, f"the time limit of {limits.time_s:g} s passed")
+        return result(Status.FAILED, None, f"the engine ended with the status {status}")
