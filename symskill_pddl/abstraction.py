@@ -68,12 +68,7 @@ class Classifier:
         """Translation (..., 3) [m] and rotation (..., 3) [rad] away from the mean; the free angle is removed."""
         q = quat_multiply(quat_conjugate(self.T_mean.q), T_parent_child.q)
         if self.free_axis is not None:
-            # swing-twist: q = swing * twist about the axis; keep the swing
-            along = q[..., 1:] @ self.free_axis
-            twist = np.concatenate([q[..., :1], along[..., None] * self.free_axis], axis=-1)
-            norm = np.linalg.norm(twist, axis=-1, keepdims=True)
-            twist = np.where(norm < 1e-9, np.array([1.0, 0, 0, 0]), twist / np.where(norm < 1e-9, 1.0, norm))
-            q = quat_multiply(q, quat_conjugate(twist))
+            q = swing(q, self.free_axis)
         return T_parent_child.p - self.T_mean.p, quat_log(q)
 
     def margin(self, T_parent_child: Pose) -> Array:
@@ -92,6 +87,16 @@ class Classifier:
         dp = _truncated(rng, self.cov_p, radius * self.enter_p)
         dr = _truncated(rng, self.cov_r, radius * self.enter_r)
         return Pose(self.T_mean.p + dp, quat_multiply(self.T_mean.q, quat_exp(dr)))
+
+
+def swing(q: Array, axis: Array) -> Array:
+    """The part of rotations q (..., 4) that is left when the turn about `axis` (3,), unit, is taken out: ``q = swing * twist``."""
+    along = q[..., 1:] @ axis
+    twist = np.concatenate([q[..., :1], along[..., None] * axis], axis=-1)
+    norm = np.linalg.norm(twist, axis=-1, keepdims=True)
+    # a half turn about a perpendicular axis holds no twist that could be told
+    twist = np.where(norm < 1e-9, np.array([1.0, 0.0, 0.0, 0.0]), twist / np.where(norm < 1e-9, 1.0, norm))
+    return quat_multiply(q, quat_conjugate(twist))
 
 
 def _truncated(rng: np.random.Generator, cov: Array, radius: float) -> Array:

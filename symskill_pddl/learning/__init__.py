@@ -1,0 +1,1 @@
+"""From demonstrations to a library: segments, references, predicates, operators, skills."""

@@ -1,0 +1,291 @@
+"""Unsegmented recordings into episodes: who moved, when, with what, and where it rested (paper, Demo Segmentation; METHOD section 2).
+
+Velocities come from a Savitzky-Golay filter (local quadratic over `filter_s`; positions, and quaternions made sign-continuous). An object
+moves from the moment its linear *or* angular speed exceeds the entering threshold until *both* are below the leaving ones.
+
+People hesitate, try again and bump into things. What keeps that out of the episodes:
+
+- a gap in an object's motion is closed if it is shorter than `merge_gap_s`, or if the gripper stayed where it was on the object and kept
+  its command (a pause in mid-carry or mid-push);
+- a motion after which the object rests where it was (1 cm, 5 degrees) is dropped: nudges, grasps that slipped;
+- later, an episode that leads from one rest cluster into the same one is dropped as well (`predicates`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import savgol_filter
+
+from symskill_pddl.demos import Demo
+from symskill_pddl.errors import LearningError
+from symskill_pddl.geometry import Array, Pose, karcher_mean, quat_conjugate, quat_multiply, rotation_distance
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class SegmentConfig:
+    """Thresholds of the segmentation; each with its unit in its name."""
+
+    filter_s: float = 0.35
+    """Window of the Savitzky-Golay filter; 7 samples at 20 Hz."""
+    enter_m_s: float = 0.02
+    leave_m_s: float = 0.01
+    enter_rad_s: float = 0.10
+    leave_rad_s: float = 0.05
+    merge_gap_s: float = 0.25
+    held_m: float = 0.02
+    held_rad: float = float(np.radians(15.0))
+    """A gap is a pause in contact if the hand stays this near to where it was on the object."""
+    min_shift_m: float = 0.01
+    min_turn_rad: float = float(np.radians(5.0))
+    away_m: float = 0.03
+    """The hand has let go of an object once it is this far from where it was on it."""
+    hand_rest_m_s: float = 0.015
+    hand_rest_rad_s: float = 0.10
+    hand_rest_s: float = 0.3
+    """A retreat ends where the hand is this slow for this long."""
+    max_retreat_s: float = 4.0
+    rest_window_s: float = 2.0
+    """A rest pose is taken from at most this long after, or before, a motion."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """One object moving during samples [start, stop)."""
+
+    obj: str
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """Where an object rested: its pose over samples [start, stop), next to a motion, or (`static`) all through a demonstration."""
+
+    obj: str
+    start: int
+    stop: int
+    T_world_obj: Pose
+    static: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Episode:
+    """The gripper comes, moves one object, and leaves. All times are sample indices into `demo`.
+
+    Attributes
+    ----------
+    demo : Demo
+    obj : str
+        `o_int`, the object that the gripper acts on.
+    begin : int
+        t_0, the earliest sample since which nothing but the end effector moved, not before the previous retreat's end.
+    start, stop : int
+        The object moves during [start, stop).
+    leave : int or None
+        The gripper has let go (geometrically); None if the recording ends before.
+    end : int
+        End of the retreat: the hand's first rest after leaving.
+    passengers : tuple of str
+        Other objects that moved along.
+    before, after : Rest or None
+        Where the object rested; `after` is None if the recording ends with the object in the hand.
+    """
+
+    demo: Demo
+    obj: str
+    begin: int
+    start: int
+    stop: int
+    leave: int | None
+    end: int
+    passengers: tuple[str, ...]
+    before: Rest | None
+    after: Rest | None
+
+    @property
+    def type(self) -> str:
+        return self.demo.objects[self.obj]
+
+    def __str__(self) -> str:
+        t = self.demo.times
+        return f"{self.demo.where} {self.obj} {t[self.begin]:.2f}-{t[self.start]:.2f}-{t[self.stop - 1]:.2f} s"
+
+
+def speeds(T: Pose, times: Array, filter_s: float) -> tuple[Array, Array]:
+    """Linear [m/s] and angular [rad/s] speed (n,) of a frame from its poses (n,), filtered as this module's text says."""
+    dt = float(np.median(np.diff(times)))
+    window = min(max(2 * round(filter_s / dt / 2) + 1, 3), 2 * ((len(times) - 1) // 2) + 1)
+    if window < 3:
+        gap = dt * (len(times) - 1)
+        turn = rotation_distance(T[0], T[-1])
+        return np.full(len(times), np.linalg.norm(T.p[-1] - T.p[0]) / gap), np.full(len(times), turn / gap)
+    flips = np.where(np.sum(T.q[1:] * T.q[:-1], axis=-1) < 0.0, -1.0, 1.0)
+    q = T.q * np.concatenate([[1.0], np.cumprod(flips)])[:, None]
+    rate_p = savgol_filter(T.p, window, 2, deriv=1, delta=dt, axis=0)
+    rate_q = savgol_filter(q, window, 2, deriv=1, delta=dt, axis=0)
+    omega = 2.0 * quat_multiply(quat_conjugate(savgol_filter(q, window, 2, axis=0)), rate_q)[..., 1:]
+    return np.linalg.norm(rate_p, axis=-1), np.linalg.norm(omega, axis=-1)
+
+
+def intervals(enter: Mask, stay: Mask) -> list[tuple[int, int]]:
+    """Maximal runs [a, b) that contain a sample of `enter` and in which every sample is in `stay` (hysteresis)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], stay | enter, [False]]).astype(np.int8)))
+    runs = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+    return [(a, b) for a, b in runs if enter[a:b].any()]
+
+
+def motions(demo: Demo, config: SegmentConfig) -> list[Motion]:
+    """What moved when, pauses closed and nothing-came-of-it dropped, by start."""
+    found = []
+    for obj in demo.objects:
+        T = demo.pose(obj)
+        v, w = speeds(T, demo.times, config.filter_s)
+        runs = intervals((v > config.enter_m_s) | (w > config.enter_rad_s), (v > config.leave_m_s) | (w > config.leave_rad_s))
+        for a, b in _merged(demo, T, runs, config):
+            before, after = _pose_over(T, max(a - 5, 0), max(a, 1)), _pose_over(T, min(b, len(demo) - 1), min(b + 5, len(demo)))
+            shift = float(np.linalg.norm(after.p - before.p))
+            if shift >= config.min_shift_m or float(rotation_distance(before, after)) >= config.min_turn_rad:
+                found.append(Motion(obj, a, b))
+    return sorted(found, key=lambda m: (m.start, m.stop, m.obj))
+
+
+def _merged(demo: Demo, T_world_obj: Pose, runs: list[tuple[int, int]], config: SegmentConfig) -> list[tuple[int, int]]:
+    joined: list[tuple[int, int]] = []
+    for a, b in runs:
+        if joined and _pause(demo, T_world_obj, joined[-1][1] - 1, a, config):
+            joined[-1] = (joined[-1][0], b)
+        else:
+            joined.append((a, b))
+    return joined
+
+
+def _pause(demo: Demo, T_world_obj: Pose, stop: int, start: int, config: SegmentConfig) -> bool:
+    """Whether the gap between samples `stop` and `start` is a pause: short, or spent in contact."""
+    if demo.times[start] - demo.times[stop] < config.merge_gap_s:
+        return True
+    gap = slice(stop, start + 1)
+    T_obj_ee = T_world_obj[gap].inverse() @ demo.T_world_ee[gap]
+    command = demo.gripper_closed[gap]
+    return bool(
+        np.all(command == command[0])
+        and np.max(np.linalg.norm(T_obj_ee.p - T_obj_ee.p[0], axis=-1)) < config.held_m
+        and np.max(rotation_distance(T_obj_ee, T_obj_ee[0])) < config.held_rad
+    )
+
+
+def _pose_over(T: Pose, start: int, stop: int) -> Pose:
+    """Median position and mean orientation over samples [start, stop)."""
+    return Pose(np.median(T.p[start:stop], axis=0), karcher_mean(T.q[start:stop]))
+
+
+def rest(demo: Demo, obj: str, start: int, stop: int, *, static: bool = False) -> Rest:
+    """The rest of an object over samples [start, stop)."""
+    return Rest(obj, start, stop, _pose_over(demo.pose(obj), start, stop), static)
+
+
+def segment(demo: Demo, config: SegmentConfig | None = None) -> tuple[Episode, ...]:
+    """The episodes of one demonstration, in order of time."""
+    config = config or SegmentConfig()
+    moved = motions(demo, config)
+    carriers = [_carrier(demo, m, moved) for m in moved]
+    hand_v, hand_w = speeds(demo.T_world_ee, demo.times, config.filter_s)
+    still = (hand_v < config.hand_rest_m_s) & (hand_w < config.hand_rest_rad_s)
+    episodes: list[Episode] = []
+    free_since = 0
+    for motion, carrier in zip(moved, carriers, strict=True):
+        if carrier is not motion:
+            continue
+        along = tuple(sorted({m.obj for m, c in zip(moved, carriers, strict=True) if c is motion and m is not motion}))
+        following = min((m.start for m, c in zip(moved, carriers, strict=True) if m.start >= motion.stop and c is not motion), default=len(demo))
+        leave = _leave(demo, motion, following, config)
+        end = motion.stop if leave is None else _retreat_end(demo, motion, leave, following, still, config)
+        previous = max((m.stop for m, c in zip(moved, carriers, strict=True) if m.stop <= motion.start and c is not motion), default=0)
+        episodes.append(
+            Episode(
+                demo=demo,
+                obj=motion.obj,
+                begin=min(max(previous, free_since), motion.start),
+                start=motion.start,
+                stop=motion.stop,
+                leave=leave,
+                end=end,
+                passengers=along,
+                before=_rest_before(demo, motion, moved, config),
+                after=None if leave is None else _rest_after(demo, motion, moved, config),
+            )
+        )
+        free_since = end
+    return tuple(episodes)
+
+
+def _carrier(demo: Demo, motion: Motion, moved: Sequence[Motion]) -> Motion:
+    """The motion that carries this one along: itself, or one that it shares at least half of the shorter's time with."""
+
+    def score(m: Motion, start: int, stop: int) -> float:
+        T_ee_obj = demo.T_world_ee[start:stop].inverse() @ demo.pose(m.obj)[start:stop]
+        slip = float(np.linalg.norm(T_ee_obj.p.std(axis=0)))
+        half = np.array(demo.extents.get(demo.objects[m.obj], (0.0, 0.0, 0.0)))
+        in_obj = np.abs(T_ee_obj.inverse().p)
+        return slip + 0.5 * float(np.median(np.linalg.norm(np.maximum(in_obj - half, 0.0), axis=-1)))
+
+    best = motion
+    for other in moved:
+        start, stop = max(motion.start, other.start), min(motion.stop, other.stop)
+        if other.obj == motion.obj or stop - start < 0.5 * min(motion.stop - motion.start, other.stop - other.start):
+            continue
+        if score(other, start, stop) < score(best, start, stop):
+            best = other
+    # a chain of carriers ends at the one that the gripper holds
+    return best if best is motion else _carrier(demo, best, [m for m in moved if m is not motion])
+
+
+def _leave(demo: Demo, motion: Motion, following: int, config: SegmentConfig) -> int | None:
+    T_obj_ee = demo.pose(motion.obj).inverse() @ demo.T_world_ee
+    last = motion.stop - 1
+    away = np.linalg.norm(T_obj_ee.p[motion.stop : following] - T_obj_ee.p[last], axis=-1) > config.away_m
+    return motion.stop + int(np.argmax(away)) if away.any() else None
+
+
+def _retreat_end(demo: Demo, motion: Motion, leave: int, following: int, still: Mask, config: SegmentConfig) -> int:
+    """The first rest of the hand after leaving; without one before the next motion, where the hand was farthest away."""
+    long = max(round(config.hand_rest_s / float(np.median(np.diff(demo.times)))), 1)
+    bound = min(int(np.searchsorted(demo.times, demo.times[leave] + config.max_retreat_s)), following - 1, len(demo) - 1)
+    for a, b in intervals(still[leave : bound + 1], still[leave : bound + 1]):
+        if b - a >= long or leave + b == len(demo):
+            return leave + a
+    if following == len(demo) or demo.times[bound] - demo.times[leave] >= config.max_retreat_s:
+        return bound
+    distance = np.linalg.norm(demo.T_world_ee.p[leave : bound + 1] - demo.T_world_ee.p[motion.stop - 1], axis=-1)
+    return leave + int(np.argmax(distance))
+
+
+def _rest_before(demo: Demo, motion: Motion, moved: Sequence[Motion], config: SegmentConfig) -> Rest | None:
+    earliest = int(np.searchsorted(demo.times, demo.times[motion.start] - config.rest_window_s))
+    start = max([earliest, *(m.stop for m in moved if m.obj == motion.obj and m.stop <= motion.start)])
+    return rest(demo, motion.obj, start, motion.start) if motion.start > start else None
+
+
+def _rest_after(demo: Demo, motion: Motion, moved: Sequence[Motion], config: SegmentConfig) -> Rest | None:
+    latest = int(np.searchsorted(demo.times, demo.times[motion.stop - 1] + config.rest_window_s))
+    stop = min([latest, len(demo), *(m.start for m in moved if m.obj == motion.obj and m.start >= motion.stop)])
+    return rest(demo, motion.obj, motion.stop, stop) if stop > motion.stop else None
+
+
+def segment_all(demos: Sequence[Demo], config: SegmentConfig | None = None) -> tuple[Episode, ...]:
+    """Episodes of all demonstrations.
+
+    Raises
+    ------
+    LearningError
+        If nothing moves in any of them.
+    """
+    episodes = tuple(e for demo in demos for e in segment(demo, config))
+    if not episodes:
+        raise LearningError(f"no object moves in any of the {len(demos)} demonstrations: there is nothing to learn from")
+    return episodes

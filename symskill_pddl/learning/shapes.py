@@ -1,0 +1,117 @@
+"""Sets of relative poses: how they fall into clusters, and the pair of Gaussians around one of them (METHOD section 4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.cluster.hierarchy import fcluster, linkage
+from scipy.spatial.distance import squareform
+from scipy.stats import chi2
+
+from symskill_pddl.abstraction import Classifier, swing
+from symskill_pddl.geometry import Array, Pose, karcher_mean, quat_conjugate, quat_log, quat_multiply
+from symskill_pddl.symbols import Predicate
+
+
+@dataclass(frozen=True)
+class ShapeConfig:
+    """Floors and thresholds of the Gaussians.
+
+    The standard deviation added to each axis is ``sqrt(floor^2 + prior^2 / n)`` for n independent observations: the floor is what
+    sensors and the spread within an observation amount to, the prior is what one would allow after a single demonstration.
+    """
+
+    floor_m: float = 0.003
+    floor_rad: float = float(np.radians(0.7))
+    prior_m: float = 0.02
+    prior_rad: float = float(np.radians(8.0))
+    quantile: float = 0.99
+    """Of the chi-square distribution with 3 degrees of freedom: the entering radius, times ``1 + 1/n``."""
+    stretch: float = 1.5
+    """The radius grows up to this factor to take in the observations it is made from."""
+    leave_factor: float = 1.3
+    free_rad: float = float(np.radians(35.0))
+    """A turn about the vertical that spreads more than this (standard deviation) does not count."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """The geometry of a predicate that has no name yet."""
+
+    T_mean: Pose
+    cov_p: Array
+    cov_r: Array
+    enter_p: float
+    enter_r: float
+    leave_factor: float
+    free_axis: Array | None = None
+
+    def classifier(self, predicate: Predicate, child: str, parent: str) -> Classifier:
+        return Classifier(
+            predicate, child, parent, self.T_mean, self.cov_p, self.cov_r, self.enter_p, self.enter_r, self.leave_factor, self.free_axis
+        )
+
+
+def fit_shape(poses: Pose, n: int, config: ShapeConfig, free_axis: Array | None = None) -> Shape:
+    """Two independent Gaussians over poses (m,), which stem from `n` independent observations.
+
+    Rotation residuals are taken in the tangent space at the Karcher mean; the turn about `free_axis` (child's frame) is left out.
+    """
+    q = poses.q
+    if free_axis is not None:
+        q = quat_multiply(q[:1], swing(quat_multiply(quat_conjugate(q[:1]), q), free_axis))
+    mean = Pose(poses.p.mean(axis=0), karcher_mean(q))
+    relative = quat_multiply(quat_conjugate(mean.q), q)
+    dp = poses.p - mean.p
+    dr = quat_log(relative if free_axis is None else swing(relative, free_axis))
+    cov_p = dp.T @ dp / len(dp) * (n / max(n - 1, 1)) + np.eye(3) * (config.floor_m**2 + config.prior_m**2 / n)
+    cov_r = dr.T @ dr / len(dr) * (n / max(n - 1, 1)) + np.eye(3) * (config.floor_rad**2 + config.prior_rad**2 / n)
+    radius = float(np.sqrt(chi2.ppf(config.quantile, 3))) * (1.0 + 1.0 / n)
+    return Shape(
+        mean,
+        cov_p,
+        cov_r,
+        _stretched(radius, dp, cov_p, config),
+        _stretched(radius, dr, cov_r, config),
+        config.leave_factor,
+        free_axis,
+    )
+
+
+def _stretched(radius: float, residuals: Array, cov: Array, config: ShapeConfig) -> float:
+    farthest = float(np.sqrt(np.max(np.einsum("ni,ij,nj->n", residuals, np.linalg.inv(cov), residuals))))
+    return float(np.clip(1.05 * farthest, radius, config.stretch * radius))
+
+
+def free_yaw(poses: Pose, up_in_child: Array, config: ShapeConfig) -> Array | None:
+    """The child's vertical axis if its turn about it looks arbitrary: it spreads widely, or there are too few (< 3) to tell."""
+    if len(poses) < 3:
+        return up_in_child
+    relative = quat_multiply(quat_conjugate(poses.q[:1]), poses.q)
+    angle = 2.0 * np.arctan2(relative[:, 1:] @ up_in_child, relative[:, 0])
+    length = float(np.abs(np.mean(np.exp(1j * angle))))
+    spread = np.sqrt(-2.0 * np.log(np.clip(length, 1e-12, 1.0)))  # circular standard deviation
+    return up_in_child if spread > config.free_rad else None
+
+
+def clusters(distances: Array, min_gap: float, ratio: float, floor: float) -> NDArray[np.intp]:
+    """Cluster numbers (n,), from 0 in order of first appearance, of points with a distance matrix (n, n).
+
+    Single linkage, cut at the first merge that bridges at least `min_gap` and at least `ratio` times what the merges before it did
+    (or `floor`): as many clusters as there are clear gaps, be it one.
+    """
+    n = len(distances)
+    if n == 1:
+        return np.zeros(1, dtype=np.intp)
+    tree = linkage(squareform(distances, checks=False), "single")
+    heights, cut = tree[:, 2], np.inf
+    for k, height in enumerate(heights):
+        before = max(float(heights[k - 1]) if k else 0.0, floor)
+        if height >= min_gap and height >= ratio * before:
+            cut = 0.5 * (height + (heights[k - 1] if k else 0.0))
+            break
+    labels = fcluster(tree, cut, "distance") if np.isfinite(cut) else np.ones(n, dtype=int)
+    order: dict[int, int] = {}
+    return np.array([order.setdefault(int(label), len(order)) for label in labels], dtype=np.intp)
