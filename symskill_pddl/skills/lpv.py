@@ -129,7 +129,7 @@ def fit_lpv(
         # A further component has to earn its place.
         if best is None or score < 0.95 * best[0] - 1e-3:
             best = score, lpv, certificate
-        if score < 2e-3:
+        if score < 3e-3 or size >= best[1].mixture.size + 2:
             break
     assert best is not None
     return best[1], best[2]
@@ -138,8 +138,8 @@ def fit_lpv(
 def rollout(lpv: Lpv, starts: Array, shown: Array, config: FitConfig, advance: Callable[[Array, Array], Array]) -> Array:
     """The geometry (demos, steps, 3) of the motions from `starts` (demos, 3), in even steps along the way; timing plays no part."""
     length = np.linalg.norm(np.diff(shown, axis=1), axis=-1).sum(1).max()
-    stride, e, way = length / 100, starts, [starts]
-    for _ in range(160):
+    stride, e, way = length / 60, starts, [starts]
+    for _ in range(90):
         v = lpv.velocity(e)
         speed = np.linalg.norm(v, axis=-1, keepdims=True)
         # even strides while far, a part of the distance when near: the speed cap does not bend the way

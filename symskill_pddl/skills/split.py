@@ -7,7 +7,7 @@ field; they are cut at a common via pose, and each part gets its own. Whether a 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -85,16 +85,17 @@ def fit_reported(trajectories: Sequence[Trajectory], config: FitConfig = FitConf
     if not trajectories:
         raise InputError("fitting a field needs at least one trajectory")
     whole = _Part.fit([smooth(t, config.smoothing_s) for t in trajectories], config)
-    parts, settled = [whole], {id(whole)} if whole.deviation <= 1.0 else set()
-    while len(parts) < config.max_fields and len(settled) < len(parts):
-        worst = max((p for p in parts if id(p) not in settled), key=lambda p: p.deviation)
-        halves = worst.halves(config)
-        if halves is None:
-            settled.add(id(worst))
-            continue
+    sequences = [[whole]]
+    while len(sequences) < config.max_fields:
+        parts = sequences[-1]
+        worst = max(parts, key=lambda p: p.deviation)
+        if worst.deviation <= 1.0 or (halves := worst.halves(config)) is None:
+            break
         at = parts.index(worst)
-        parts[at : at + 1] = halves
-        settled |= {id(half) for half in halves if half.deviation <= 1.0}
+        sequences.append([*parts[:at], *halves, *parts[at + 1 :]])
+    # the fewest fields that follow; where none do, the fewest that follow nearly as well as the best
+    enough = max(1.0, 1.2 * min(_worst(parts) for parts in sequences))
+    parts = next(parts for parts in sequences if _worst(parts) <= enough)
     report = FitReport(
         tuple(p.deviation for p in parts),
         tuple(float(np.mean([t.duration_s for t in p.trajectories])) for p in parts),
@@ -132,20 +133,21 @@ class _Part:
         return cls(trajectories, field, ways, np.stack(at), _deviation(field, trajectories, ways, config))
 
     def halves(self, config: FitConfig) -> tuple[_Part, _Part] | None:
-        """The best two parts, or None where cutting does not help."""
-        best: tuple[_Part, _Part] | None = None
+        """The best two parts, or None where the demonstrations are too short to be cut."""
+        rough = replace(config, max_components=min(3, config.max_components), samples=min(40, config.samples))
+        best: tuple[float, list[int]] | None = None
         for index in self._candidates():
             cuts = [int(at[i]) for at, i in zip(self.at, self._matches(index), strict=True)]
-            if not all(0 < cut < len(t) - 1 for cut, t in zip(cuts, self.trajectories, strict=True)):
-                continue
-            first = _Part.fit([t.cut(0, cut) for t, cut in zip(self.trajectories, cuts, strict=True)], config)
-            second = _Part.fit([t.cut(cut, len(t) - 1) for t, cut in zip(self.trajectories, cuts, strict=True)], config)
-            if best is None or _worse(first, second) < _worse(*best):
-                best = first, second
-        # a part that follows as badly as the whole is no help, but one of the two may still have to be cut again
-        if best is None or min(p.deviation for p in best) > 0.8 * self.deviation or _worse(*best) > 1.5 * self.deviation:
-            return None
-        return best
+            if all(0 < cut < len(t) - 1 for cut, t in zip(cuts, self.trajectories, strict=True)):
+                value = sum(p.deviation for p in self._cut(cuts, rough))
+                if best is None or value < best[0]:
+                    best = value, cuts
+        return None if best is None else self._cut(best[1], config)
+
+    def _cut(self, cuts: list[int], config: FitConfig) -> tuple[_Part, _Part]:
+        first = [t.cut(0, cut) for t, cut in zip(self.trajectories, cuts, strict=True)]
+        second = [t.cut(cut, len(t) - 1) for t, cut in zip(self.trajectories, cuts, strict=True)]
+        return _Part.fit(first, config), _Part.fit(second, config)
 
     def _candidates(self) -> list[int]:
         """Samples of the mean way where a via pose may help: its corner, its farthest and its nearest point before the end."""
@@ -172,8 +174,8 @@ class _Part:
         return [low + int(np.argmin(np.linalg.norm(way[low:high] - via, axis=1))) for way in self.shown]
 
 
-def _worse(a: _Part, b: _Part) -> float:
-    return max(a.deviation, b.deviation)
+def _worst(parts: Sequence[_Part]) -> float:
+    return max(p.deviation for p in parts)
 
 
 def _scaled_errors(p: Array, q: Array, field: Field, config: FitConfig) -> Array:
@@ -204,7 +206,8 @@ def rollout(field: Field, T_start: Pose, duration_s: float, period_s: float) -> 
 def _deviation(field: Field, trajectories: list[Trajectory], shown: Array, config: FitConfig) -> float:
     """How far rollouts and demonstrations part, in tolerances: three quarters of the demonstrations do better.
 
-    A rollout may be wherever any demonstration was (their spread is allowed), and has to come past everything its own one did.
+    A rollout has to stay where any demonstration was, and to come past everything its own one did. Their own spread, the distance from
+    one demonstration to the nearest of the others, is taken off.
     """
     starts = Pose.stack([t.T_frame_ee[0] for t in trajectories])
     duration = 1.5 * max(t.duration_s for t in trajectories) + 1.0
@@ -213,13 +216,14 @@ def _deviation(field: Field, trajectories: list[Trajectory], shown: Array, confi
     ways = shown - bend
     p = ways[..., :3] * config.tolerance_m + field.position.goal
     q = quat_multiply(quat_exp(ways[..., 3:] * config.tolerance_rad), field.orientation.goal)
-    all_p, all_q = p.reshape(-1, 3), q.reshape(-1, 4)
-    values = []
+    values, spread = [], []
     for i in range(len(trajectories)):
-        own = _pose_distances(driven.p[i], driven.q[i], p[i], q[i], config).min(0).max()
-        corridor = _pose_distances(driven.p[i], driven.q[i], all_p, all_q, config).min(1).max()
+        to_all = np.stack([_pose_distances(driven.p[i], driven.q[i], p[j], q[j], config) for j in range(len(p))])
+        own, corridor = to_all[i].min(0).max(), to_all.min((0, 2)).max()
         values.append(max(own, corridor))
-    return float(np.quantile(values, 0.75))
+        between = [_pose_distances(p[i], q[i], p[j], q[j], config).min(1) for j in range(len(p)) if j != i]
+        spread.append(np.min(between, axis=0).mean() if between else 0.0)
+    return max(0.0, float(np.quantile(values, 0.75) - np.median(spread)))
 
 
 def _pose_distances(pa: Array, qa: Array, pb: Array, qb: Array, config: FitConfig) -> Array:
