@@ -159,6 +159,10 @@ def _compiled() -> Any:
     model.opt.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     model.opt.impratio = 5.0
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    for i in range(model.ngeom):
+        # robosuite takes inertia from group 0 only; once that is done, group 2 tells what is drawn as it collides
+        if model.body(model.geom_bodyid[i]).name in ("counter", "cabinet", "door", "room"):
+            model.geom_group[i] = 2
     for name in ARM_JOINTS:
         actuator = model.actuator(name.replace("robot0_joint", "robot0_torq_j")).id
         limit = 87.0 if int(name[-1]) < 5 else 12.0
