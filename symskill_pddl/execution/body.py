@@ -1,0 +1,129 @@
+"""The robot as the executor sees it: one world, what was sensed of it, and the few motions that are not learned.
+
+`Body` is the only part of this room that steps the world. It keeps the debounced state, the hand's path and the recent scenes.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from time import perf_counter
+
+import numpy as np
+
+from symskill_pddl.abstraction import Debounced, abstract
+from symskill_pddl.execution.config import MotionConfig
+from symskill_pddl.execution.recovery import backed_off, near, servo, way_back
+from symskill_pddl.execution.runner import Fingers
+from symskill_pddl.geometry import Pose, rotation_distance
+from symskill_pddl.library import Library
+from symskill_pddl.scene import Command, Scene, World
+from symskill_pddl.symbols import State
+
+_PATH_SPACING_M = 0.005
+_REST_WINDOW_S = 0.25
+
+
+class Body:
+    """A world with memory.
+
+    Parameters
+    ----------
+    objects : mapping of str to str
+        The objects the state speaks of; the scene may hold more.
+    debounce : int
+        Equal readings of an atom before the state follows.
+    """
+
+    def __init__(self, world: World, library: Library, objects: Mapping[str, str], config: MotionConfig, debounce: int) -> None:
+        self._world, self._library, self._objects, self._config = world, library, frozenset(objects), config
+        self.scene = world.observe()
+        self.start_s = self.scene.time
+        self._sense = Debounced(self._read(self.scene, frozenset()), debounce)
+        self.path: list[Pose] = [self.scene.T_world_ee]
+        self._recent = deque([self.scene])
+        self.grasp_entry = 0
+        """Entry of `path` up to which the fingers were last open: where the present grasp was made."""
+        self.closing = self.scene.gripper_closed
+        self.ms: dict[str, float] = {}
+
+    @property
+    def now(self) -> float:
+        """The world's time [s]."""
+        return self.scene.time
+
+    @property
+    def elapsed(self) -> float:
+        """Time since the run began [s]."""
+        return self.scene.time - self.start_s
+
+    @property
+    def state(self) -> State:
+        """The atoms, after hysteresis and debounce."""
+        return self._sense.state
+
+    def step(self, command: Command) -> None:
+        """One control period: act, look, abstract. `ms` holds how long the parts took."""
+        begin = perf_counter()
+        self.scene = self._world.step(command)
+        seen = perf_counter()
+        self._sense = self._sense.update(self._read(self.scene, self._sense.state))
+        self.ms = {"observe": 1e3 * (seen - begin), "abstract": 1e3 * (perf_counter() - seen)}
+        self.closing = command.close_gripper
+        T = self.scene.T_world_ee
+        if np.linalg.norm(T.p - self.path[-1].p) > _PATH_SPACING_M or rotation_distance(T, self.path[-1]) > 0.05:
+            self.path.append(T)
+        if not self.closing:
+            self.grasp_entry = len(self.path) - 1
+        self._recent.append(self.scene)
+        while self.scene.time - self._recent[0].time > _REST_WINDOW_S:
+            self._recent.popleft()
+
+    def _read(self, scene: Scene, before: State) -> State:
+        state = abstract(scene, self._library.classifiers, before=before, gripper=self._library.gripper)
+        return frozenset(a for a in state if self._objects.issuperset(a.args))
+
+    def resting(self) -> frozenset[str]:
+        """The objects that have not moved (5 mm, 2 degrees) in the last quarter of a second."""
+        then, now = self._recent[0], self.scene
+        still = (np.linalg.norm(now.T_world_objects.p - then.T_world_objects.p, axis=-1) < 0.005) & (
+            rotation_distance(now.T_world_objects, then.T_world_objects) < 0.035
+        )
+        return frozenset(name for name, rests in zip(now.objects, still, strict=True) if rests and name in self._objects)
+
+    def hold(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
+        """Stay where one is, fingers as they are, at most this long; whether `until` came true."""
+        stop = self.now + seconds
+        while self.now < stop - 1e-9:
+            self.step(Command.hold(self.closing))
+            if until():
+                return True
+        return False
+
+    def fingers(self, closing: bool) -> None:
+        """Move the fingers and wait until they have settled."""
+        fingers = Fingers(self.scene, self._config)
+        fingers.closing = self.closing
+        fingers.tell(closing, self.scene)
+        self.step(Command.hold(closing))
+        while fingers.settling(self.scene):
+            self.step(Command.hold(closing))
+
+    def go(self, target: Pose, seconds: float) -> bool:
+        """Straight to a pose, at a careful pace; whether it was reached in time."""
+        stop = self.now + seconds
+        while not near(self.scene.T_world_ee, target, distance_m=0.01, angle_rad=0.1):
+            if self.now >= stop:
+                return False
+            twist = servo(self.scene.T_world_ee, target, gain=4.0, max_speed=0.15, max_turn=0.8)
+            self.step(Command(twist, self.closing))
+        return True
+
+    def back_off(self, distance_m: float) -> bool:
+        """Back along the hand's own approach direction."""
+        return self.go(backed_off(self.scene.T_world_ee, distance_m), 3.0)
+
+    def go_back(self, length_m: float, since: int = 0) -> bool:
+        """Back along the path one came, at most to its entry `since`; whether all of it was reached."""
+        # every way point is a few centimetres off; one that is blocked ends the attempt
+        return all(self.go(T, 2.0) for T in way_back(self.path[since:], length_m))

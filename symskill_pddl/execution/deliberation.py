@@ -1,0 +1,180 @@
+"""`Deliberation`: plans from the present state, and what to do when there is none.
+
+Without a plan the recoveries are, in this order, each followed by another look:
+
+1. `recover-open`: fingers closed on nothing are opened, and the hand backs off along its own axis;
+2. `recover-observe`: stand still and watch; perhaps somebody is still pushing the door;
+3. `recover-assume`: an object at rest in no known relation is taken for the nearest one, as an assumption that the monitor
+does not share;
+4. `recover-return` / `recover-retreat`: what is held goes back to where it was taken from; an empty hand goes back along its
+path;
+5. the assumptions once more, from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import islice, product
+from time import perf_counter
+
+import numpy as np
+
+from symskill_pddl.execution.belief import Belief
+from symskill_pddl.execution.body import Body
+from symskill_pddl.execution.config import ExecutionConfig
+from symskill_pddl.execution.journal import Journal
+from symskill_pddl.execution.recovery import nearest_symbols
+from symskill_pddl.execution.trace import PlanLine, rows
+from symskill_pddl.library import Library
+from symskill_pddl.planning.protocol import Limits, Planner
+from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, GroundOperator, Problem, State
+
+_MOST_ASSUMPTIONS = 12
+
+
+@dataclass(frozen=True)
+class Planned:
+    """Ground steps, and the atoms they rest on without having been observed."""
+
+    steps: tuple[GroundOperator, ...]
+    assumed: State
+
+
+class Deliberation:
+    """Plans for one goal."""
+
+    def __init__(
+        self,
+        domain: Domain,
+        goal: State,
+        objects: Mapping[str, str],
+        planner: Planner,
+        library: Library,
+        config: ExecutionConfig,
+        body: Body,
+        belief: Belief,
+        journal: Journal,
+    ) -> None:
+        self._domain, self._goal, self._objects, self._planner = domain, goal, dict(objects), planner
+        self._library, self._config, self._body, self._belief, self._journal = library, config, body, belief, journal
+        self._known = frozenset(p.name for p in domain.predicates)
+        self.why_not: tuple[str, ...] = ()
+        """What the planner said when it last found no plan."""
+
+    def reached(self) -> bool:
+        """Whether the goal holds now, out of the hand."""
+        return self._belief.goal_reached(self._goal, self._body.state)
+
+    def plan(self, reason: str, assumed: State = frozenset()) -> Planned | None:
+        """A plan from the current state and the assumptions, or None. Owed deletes count as done: the next motion does them."""
+        now = self._body.state
+        state = frozenset(a for a in (now - self._belief.pending(now)) | assumed if a.predicate in self._known)
+        problem = Problem("now", self._domain.name, tuple(self._objects.items()), state, self._goal)
+        costs = self._belief.failures.extra_costs(self._config.failure_cost)
+        begin = perf_counter()
+        result = self._planner.solve(self._domain, problem, Limits(time_s=self._config.plan_time_s), costs)
+        seconds = perf_counter() - begin
+        self._journal.plan_seconds.append(seconds)
+        plan, messages = result.plan, result.messages
+        steps = plan.ground(self._domain, self._objects) if plan is not None else ()
+        if plan is not None and assumed and not self._honest(steps):
+            plan, messages = None, ("an assumption would have to satisfy the goal",)
+        self._journal.emit(
+            PlanLine(
+                time=self._body.now,
+                reason=reason,
+                status=result.status.value,
+                steps=tuple((s.name, s.args) for s in steps) if plan is not None else (),
+                state=rows(state),
+                assumed=rows(assumed),
+                messages=messages,
+                seconds=seconds,
+            )
+        )
+        if plan is None:
+            self.why_not = messages or (result.status.value,)
+            return None
+        return Planned(steps, assumed)
+
+    def _honest(self, steps: tuple[GroundOperator, ...]) -> bool:
+        """Whether every goal atom is observed or brought about."""
+        state = self._body.state
+        for step in steps:
+            state = step.apply(state)
+        return self._goal <= state
+
+    def recover(self, reason: str) -> Planned | None:
+        """The general recoveries, until there is a plan. None: the goal holds by now, or nothing helped."""
+        for attempt in (self._try_open, self._try_observe, self._try_assume, self._try_way_back, self._try_assume):
+            if planned := attempt(reason):
+                return planned
+            if self.reached():
+                return None
+        return None
+
+    def open_up(self, reason: str) -> None:
+        """Open the fingers and back off along the hand's own axis."""
+        begin = self._body.now
+        self._body.fingers(False)
+        arrived = self._body.back_off(self._config.back_off_m)
+        self._body.hold(0.3)
+        self._journal.recovered("recover-open", reason, _ended(arrived), begin)
+
+    def _try_open(self, reason: str) -> Planned | None:
+        if not self._belief.empty_fist(self._body.state):
+            return None
+        self.open_up("the fingers are closed on nothing")
+        return self.plan(reason)
+
+    def _try_observe(self, reason: str) -> Planned | None:
+        tried, found = self._body.state, None
+
+        def look() -> bool:
+            nonlocal tried, found
+            if self._body.state != tried:
+                tried = self._body.state
+                found = self.plan(reason)
+            return found is not None or self.reached()
+
+        begin = self._body.now
+        changed = self._body.hold(self._config.observe_s, look)
+        result = "a way on" if changed else "no change that helps"
+        self._journal.recovered("recover-observe", "no plan from here, watching for a change", result, begin)
+        return found
+
+    def _try_assume(self, reason: str) -> Planned | None:
+        if not self._config.assume:
+            return None
+        body, uses = self._body, self._belief.assumptions
+        nearest = nearest_symbols(body.scene, body.state, self._library.classifiers, body.resting())
+        # what was assumed before, and did not lead to the goal, comes later
+        ordered = [sorted(found, key=lambda a: (uses[a.atom], -a.margin, a.atom))[:4] for found in nearest.values()]
+        if not ordered:
+            return None
+        for choice in islice(product(*ordered), _MOST_ASSUMPTIONS):
+            atoms = frozenset(a.atom for a in choice)
+            if planned := self.plan(reason, atoms):
+                uses.update(atoms)
+                text = ", ".join(f"{a.atom} (margin {a.margin:.2f})" for a in choice)
+                self._journal.recovered("recover-assume", f"at rest in no known relation, assuming {text}", "a plan", body.now)
+                return planned
+        text = f"at rest in no known relation: {' '.join(nearest)}"
+        self._journal.recovered("recover-assume", text, "no assumption gives a plan", body.now)
+        return None
+
+    def _try_way_back(self, reason: str) -> Planned | None:
+        body, journal, begin = self._body, self._journal, self._body.now
+        if Atom(GRIPPER_OPEN) not in body.state:
+            arrived = body.go_back(np.inf, body.grasp_entry)
+            journal.recovered("recover-return", "no plan with what is held: putting it back", _ended(arrived), begin)
+            self.open_up("put back")
+        else:
+            arrived = body.go_back(self._config.retreat_m)
+            journal.recovered("recover-retreat", "no plan from here: back along the own path", _ended(arrived), begin)
+        body.hold(0.5)
+        return self.plan(reason)
+
+
+def _ended(arrived: bool) -> str:
+    return "done" if arrived else "blocked"

@@ -1,0 +1,290 @@
+"""`execute`: plan, run skills, watch, plan again, until the goal holds or nothing is left to try.
+
+The loop follows the paper's online algorithm with its faults removed: plans start from the current state, failures are
+remembered per ground step, a run ends with success, and every decision is the pure monitor's and stands in the trace.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from symskill_pddl.errors import InputError, alternatives
+from symskill_pddl.execution.belief import Belief
+from symskill_pddl.execution.body import Body
+from symskill_pddl.execution.config import ExecutionConfig
+from symskill_pddl.execution.deliberation import Deliberation, Planned
+from symskill_pddl.execution.journal import Journal
+from symskill_pddl.execution.monitor import Continue, EffectsHold, JumpAhead, Memory, Tick, Verdict, Watch, check_start, judge
+from symskill_pddl.execution.outcome import Category, Outcome
+from symskill_pddl.execution.recovery import goal_shift, key_of
+from symskill_pddl.execution.runner import SkillRun, obstacles_of
+from symskill_pddl.execution.trace import Header, OutcomeLine, TraceWriter, rows, step_line, tick_line
+from symskill_pddl.library import Library
+from symskill_pddl.planning.protocol import Planner
+from symskill_pddl.scene import GRIPPER, Scene, World
+from symskill_pddl.skills import Ellipsoid
+from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, GroundOperator, State
+
+
+def execute(
+    world: World,
+    library: Library,
+    domain: Domain,
+    goal: frozenset[Atom],
+    planner: Planner,
+    config: ExecutionConfig | None = None,
+    *,
+    objects: Mapping[str, str],
+    rng: np.random.Generator,
+    trace: TraceWriter | None = None,
+    header: Header | None = None,
+    on_event: Callable[[Any], None] | None = None,
+    on_step: Callable[[int, GroundOperator], None] | None = None,
+    monitor: bool = True,
+) -> Outcome:
+    """Reach the goal atoms in the world.
+
+    Parameters
+    ----------
+    domain : Domain
+        Its operators are matched with the library's by name; conditions and effects are the domain's, skills and times the
+        library's.
+    goal : frozenset of Atom
+        Ground atoms that have to hold together at the end.
+    objects : mapping of str to str
+        The objects the problem is about, with their types; each has to be in the scene.
+    trace, header
+        Where to record the run, and what the caller knows for its first line (task, seed, library, planner).
+    on_event : callable
+        Gets every line of the trace as it comes about.
+    on_step : callable
+        Told the index and the ground step whenever a step starts.
+    monitor : bool
+        False runs the first plan open loop: no checks, no planning again.
+
+    Raises
+    ------
+    InputError
+        An operator without a skill, a goal or object that the domain or the scene does not have, an atom nothing can observe.
+    """
+    begin = perf_counter()
+    _check(library, domain, goal, objects, world.observe())
+    journal = Journal(trace, on_event)
+    told = {"goal": rows(goal), "objects": dict(objects), "monitor": monitor, "period_s": world.period_s}
+    journal.emit((header or Header()).model_copy(update=told))
+    run = _Run(world, library, domain, goal, planner, config or ExecutionConfig(), objects, rng, journal, on_step)
+    category, reason = run.closed_loop() if monitor else run.open_loop()
+    outcome = Outcome(
+        success=category is Category.SUCCESS,
+        category=category,
+        reason=reason,
+        replans=run.replans,
+        steps=tuple(journal.steps),
+        recoveries=tuple(journal.recoveries),
+        time_s=run.body.elapsed,
+        plan_seconds=tuple(journal.plan_seconds),
+        tick_ms=journal.stopwatch.summary(),
+        state=run.body.state,
+    )
+    journal.emit(
+        OutcomeLine(
+            time=run.body.now,
+            success=outcome.success,
+            category=category.value,
+            reason=reason,
+            replans=outcome.replans,
+            recoveries=len(outcome.recoveries),
+            seconds=perf_counter() - begin,
+            ms=outcome.tick_ms,
+        )
+    )
+    return outcome
+
+
+class _Run:
+    """One call of `execute`."""
+
+    def __init__(
+        self,
+        world: World,
+        library: Library,
+        domain: Domain,
+        goal: State,
+        planner: Planner,
+        config: ExecutionConfig,
+        objects: Mapping[str, str],
+        rng: np.random.Generator,
+        journal: Journal,
+        on_step: Callable[[int, GroundOperator], None] | None,
+    ) -> None:
+        self.library, self.goal, self.config, self.rng, self.journal, self.on_step = library, goal, config, rng, journal, on_step
+        self.body = Body(world, library, objects, config.motion, config.debounce)
+        self.belief = Belief(frozenset(c.predicate.name for c in library.classifiers if c.child == GRIPPER))
+        self.mind = Deliberation(domain, goal, objects, planner, library, config, self.body, self.belief, journal)
+        self.replans = 0
+
+    def closed_loop(self) -> tuple[Category, str]:
+        """Until the goal holds."""
+        reason, rounds = "start", 0
+        while True:
+            if self.mind.reached():
+                return Category.SUCCESS, "the goal holds"
+            self.replans, rounds = rounds, rounds + 1
+            if self.replans > self.config.max_replans:
+                return Category.REPLANS, f"gave up after {self.config.max_replans} new plans; the last reason: {reason}"
+            if self.body.elapsed > self.config.max_time_s:
+                return Category.TIME, f"{self.config.max_time_s:g} s are over; the last reason: {reason}"
+            planned = self.mind.plan(reason) or self.mind.recover(reason)
+            if planned is not None and planned.steps:
+                reason = self.follow(planned)
+            elif self.goal <= self.body.state:
+                reason = "the goal holds, but its object is still held"
+                self.mind.open_up(reason)
+            elif planned is None and not self.mind.reached():
+                return Category.UNREACHABLE, "; ".join((f"no plan reaches {self.missing()}", *self.mind.why_not))
+
+    def open_loop(self) -> tuple[Category, str]:
+        """The first plan, whatever happens: each skill until its phases end or its time is up."""
+        planned = self.mind.plan("start")
+        if planned is None:
+            return Category.UNREACHABLE, "; ".join((f"no plan reaches {self.missing()}", *self.mind.why_not))
+        for index, step in enumerate(planned.steps):
+            watch, run, _ = self.prepare(planned, index)
+            self.announce(watch, Continue("without monitor"), run, 0)
+            why = "the skill has ended"
+            while True:
+                motion = run.tick(self.body.scene)
+                if motion.stage == run.phases and not motion.settling:
+                    break
+                if self.body.now - watch.start_s > watch.budget_s:
+                    why = "the time is over"
+                    break
+                self.body.step(motion.command)
+            self.journal.ran(step, watch.start_s, self.body.now, Continue(why), 0)
+        if self.goal <= self.body.state:
+            return Category.SUCCESS, "the goal holds"
+        return Category.MISSED, f"the plan was carried out and {self.missing()} does not hold"
+
+    def follow(self, planned: Planned) -> str:
+        """Run the plan's steps; why it was left."""
+        index = 0
+        while index < len(planned.steps):
+            watch, run, attempt = self.prepare(planned, index)
+            verdict: Verdict = check_start(watch, self.body.state)
+            self.announce(watch, verdict, run, attempt)
+            if isinstance(verdict, Continue):
+                verdict = self.run_step(watch, run)
+                self.journal.ran(watch.step, watch.start_s, self.body.now, verdict, attempt)
+            match verdict:
+                case EffectsHold():
+                    self.belief.succeeded(watch)
+                    index += 1
+                case JumpAhead(index=ahead):
+                    self.belief.jumped()
+                    index = ahead
+                case _:
+                    self.belief.blame(watch, verdict)
+                    return f"{watch.step}: {verdict.reason}"
+        return "the plan ended without the goal"
+
+    def run_step(self, watch: Watch, run: SkillRun) -> Verdict:
+        """Tick until the monitor says anything but `Continue`."""
+        memory, before, body = Memory(), watch.start_state, self.body
+        while True:
+            begin = perf_counter()
+            motion = run.tick(body.scene)
+            skill_ms = 1e3 * (perf_counter() - begin)
+            body.step(motion.command)
+            begin = perf_counter()
+            tick = Tick(
+                body.now, body.state, motion.stage, motion.stage_s, motion.settling, body.closing, motion.speed, motion.turn
+            )
+            judgement = judge(watch, tick, memory)
+            verdict, memory = judgement.verdict, judgement.memory
+            ms = {**body.ms, "skill": skill_ms, "monitor": 1e3 * (perf_counter() - begin)}
+            self.journal.stopwatch.add(ms)
+            if self.journal.listens:
+                self.journal.emit(tick_line(tick, before, verdict, {name: round(value, 4) for name, value in ms.items()}))
+            before = tick.state
+            if not isinstance(verdict, Continue):
+                return verdict
+
+    def prepare(self, planned: Planned, index: int) -> tuple[Watch, SkillRun, int]:
+        """What the monitor watches; the skill bound to its objects, resampled if the step has failed before; how often it has."""
+        step, state, config = planned.steps[index], self.body.state, self.config
+        learned = self.library.learned(step.name)
+        skill = self.library.skills[learned.skill]
+        binding = dict(zip((p.name for p in learned.operator.parameters), step.args, strict=True))
+        attempt = self.belief.failures.count(key_of(step))
+        shift = None
+        if attempt:
+            radius = min(1.0, attempt * config.sample_growth)
+            shift = goal_shift(step, skill, binding, self.library.classifiers, self.body.scene, self.rng, radius)
+        spared = frozenset(step.args) | self.belief.held(state)
+
+        def obstacles(scene: Scene) -> Sequence[Ellipsoid]:
+            return obstacles_of(scene, self.library.extents, spared, config.motion)
+
+        avoided = obstacles if config.motion.avoid and self.library.extents else None
+        run = SkillRun(skill, binding, self.body.scene, config.motion, shift=shift, obstacles=avoided)
+        # what is hinged or slides cannot be dropped, and the hand may let go of it and push on
+        hinged_s = learned.duration_s[1] if learned.kind == "move" else 0.0
+        watch = Watch(
+            step=step,
+            index=index,
+            later=planned.steps[index + 1 :],
+            gripper=self.belief.gripper,
+            start_s=self.body.now,
+            start_state=state,
+            inherited=self.belief.pending(state),
+            assumed=planned.assumed,
+            phases=run.phases,
+            exit_s=skill.phases[-1].duration_s,
+            budget_s=config.budget_factor * learned.duration_s[1] + config.budget_margin_s,
+            grace_s=config.grace_s + hinged_s,
+            stall_s=config.stall_s,
+            still_speed=config.still_speed,
+            still_turn=config.still_turn,
+        )
+        return watch, run, attempt
+
+    def announce(self, watch: Watch, verdict: Verdict, run: SkillRun, attempt: int) -> None:
+        """Tell of a step's start."""
+        self.journal.emit(step_line(watch, verdict, attempt=attempt, shift=run.shift_vector))
+        if self.on_step and isinstance(verdict, Continue):
+            self.on_step(watch.index, watch.step)
+
+    def missing(self) -> str:
+        """The goal atoms that do not hold, as text."""
+        return " ".join(map(str, sorted(self.goal - self.body.state)))
+
+
+def _check(library: Library, domain: Domain, goal: State, objects: Mapping[str, str], scene: Scene) -> None:
+    """Refuse what could only fail later, and less clearly."""
+    for name in objects:
+        scene.pose(name)
+    seen = {GRIPPER_OPEN, *(c.predicate.name for c in library.classifiers)}
+    for op in domain.operators:
+        learned = library.learned(op.name)
+        if learned.skill not in library.skills:
+            raise InputError(
+                f"operator '{op.name}' needs the skill '{learned.skill}'; the library has: {alternatives(library.skills)}"
+            )
+        if len(op.parameters) != len(learned.operator.parameters):
+            raise InputError(
+                f"operator '{op.name}' has {len(op.parameters)} parameters, its skill {len(learned.operator.parameters)}"
+            )
+        used = {a.predicate for a in op.pre | op.add | op.delete} | {a.atom.predicate for a in op.absent}
+        if unseen := sorted(used - seen):
+            raise InputError(
+                f"operator '{op.name}' uses '{unseen[0]}', which nothing can observe; what can be: {alternatives(seen)}"
+            )
+    for atom in sorted(goal):
+        if len(domain.predicate(atom.predicate).types) != len(atom.args) or atom.predicate not in seen:
+            raise InputError(f"the goal {atom} is no atom that can be observed; predicates: {alternatives(seen)}")
+        if unknown := [a for a in atom.args if a not in objects]:
+            raise InputError(f"the goal {atom} names the unknown object '{unknown[0]}'; the problem has: {alternatives(objects)}")

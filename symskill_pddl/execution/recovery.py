@@ -1,0 +1,169 @@
+"""What to try differently after a failure: pure functions of poses, atoms and a random generator.
+
+- `FailureMemory`: which ground steps failed, how often; raises their cost and widens the next sample.
+- `goal_shift`: moves a blamed step's goal by a sample of its effect predicate.
+- `nearest_symbols`: for objects in no known relation, the relations they are nearest to, as assumptions for planning.
+- `servo`, `way_back`: the few motions that are not learned (backing off, going back where one came from).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from symskill_pddl.abstraction import Classifier, groundings
+from symskill_pddl.geometry import Array, Pose, quat_conjugate, quat_log, quat_multiply, rotation_distance
+from symskill_pddl.scene import GRIPPER, Scene
+from symskill_pddl.skills import Skill
+from symskill_pddl.symbols import Atom, GroundOperator, State
+
+StepKey = tuple[str, tuple[str, ...]]
+"""A ground step by name: (operator, arguments)."""
+
+
+def key_of(step: GroundOperator) -> StepKey:
+    """The key under which failures of a ground step are remembered."""
+    return step.name, step.args
+
+
+@dataclass(frozen=True)
+class FailureMemory:
+    """How often each ground step was blamed since its last success. Immutable."""
+
+    failures: Mapping[StepKey, int] = field(default_factory=dict)
+
+    def blame(self, key: StepKey) -> FailureMemory:
+        """One more failure of the step."""
+        return FailureMemory({**self.failures, key: self.count(key) + 1})
+
+    def clear(self, key: StepKey) -> FailureMemory:
+        """The step has succeeded: forget its failures."""
+        return FailureMemory({k: n for k, n in self.failures.items() if k != key})
+
+    def count(self, key: StepKey) -> int:
+        return self.failures.get(key, 0)
+
+    def extra_costs(self, per_failure: float) -> dict[StepKey, float]:
+        """What a planner is to add to the cost of each ground step."""
+        return {k: per_failure * n for k, n in sorted(self.failures.items())}
+
+
+def goal_shift(
+    step: GroundOperator,
+    skill: Skill,
+    binding: Mapping[str, str],
+    classifiers: Iterable[Classifier],
+    scene: Scene,
+    rng: np.random.Generator,
+    radius: float,
+) -> tuple[str, Pose] | None:
+    """A frame transform of the skill that moves its goal to a sample of the step's effect predicate.
+
+    For an effect between objects (a place) a pose of the moved object in the reference is sampled and composed with the
+    present grasp ``T_obj_ee``, which also corrects a grasp that differs from the demonstrated ones. For a gripper relation (a
+    pick, a reach) the deviation of a sampled hand pose from the predicate's mean is applied.
+
+    Parameters
+    ----------
+    binding : mapping of str to str
+        Object bound to each parameter of the operator; the phases name their frames by parameter.
+    radius : float
+        The sample stays within this fraction of the predicate's entering radii.
+
+    Returns
+    -------
+    (str, Pose) or None
+        The frame (a parameter) and the shift in that frame; None where no effect speaks of a frame of the skill.
+    """
+    by_name = {c.predicate.name: c for c in classifiers}
+    effects = [a for a in sorted(step.add) if a.predicate in by_name]
+    # a relation between objects is what the step is for; the hand comes second
+    effects.sort(key=lambda a: by_name[a.predicate].child == GRIPPER)
+    for atom in effects:
+        classifier = by_name[atom.predicate]
+        parent = atom.args[-1]
+        grasp = classifier.child == GRIPPER
+        # the goal of a carry is where the fingers still hold; of an approach, its last field
+        fitting = [p for p in skill.phases if binding[p.frame] == parent]
+        goal = next((p for p in reversed(fitting) if grasp or p.close_gripper), fitting[-1] if fitting else None)
+        if goal is None:
+            continue
+        sample = classifier.sample(rng, radius=radius)
+        if grasp:
+            return goal.frame, sample @ classifier.T_mean.inverse()
+        T_obj_ee = scene.pose(atom.args[0]).inverse() @ scene.T_world_ee
+        return goal.frame, sample @ T_obj_ee @ goal.field.T_goal.inverse()
+    return None
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """An atom to plan with although it was not observed: the relation that an unplaced object is nearest to."""
+
+    atom: Atom
+    margin: float
+    """The classifier's signed margin: 0 on the boundary, negative outside."""
+
+
+def nearest_symbols(
+    scene: Scene, state: State, classifiers: Sequence[Classifier], objects: Iterable[str]
+) -> dict[str, tuple[Assumption, ...]]:
+    """For every object in no known relation, all relations it could have, the nearest first.
+
+    An object that rests where no predicate holds yields no atom, and no operator can speak of it (a door left ajar). The
+    fields are stable from anywhere, so an operator that starts from the nearest known relation can still be tried. An object
+    in the hand is not unplaced. Only `objects` are looked at; objects that are never the child of a relation are left out.
+    """
+    gripper = frozenset(c.predicate.name for c in classifiers if c.child == GRIPPER)
+    related = {a.args[0] for a in state if a.args}
+    found: dict[str, list[Assumption]] = {}
+    for classifier in classifiers:
+        if classifier.predicate.name in gripper:
+            continue
+        for atom, parent, child in groundings(classifier, scene.objects):
+            if child in objects and parent in objects and child not in related:
+                margin = float(classifier.margin(scene.pose(parent).inverse() @ scene.pose(child)))
+                found.setdefault(child, []).append(Assumption(atom, margin))
+    return {child: tuple(sorted(found[child], key=lambda a: (-a.margin, a.atom))) for child in sorted(found)}
+
+
+def servo(T_world_ee: Pose, T_world_target: Pose, *, gain: float, max_speed: float, max_turn: float) -> Array:
+    """Twist (6,) in world axes straight to a pose: proportional, with speed caps that scale and do not turn."""
+    linear = gain * (T_world_target.p - T_world_ee.p)
+    angular = gain * quat_log(quat_multiply(T_world_target.q, quat_conjugate(T_world_ee.q)))
+    return capped(np.concatenate([linear, angular]), max_speed, max_turn)
+
+
+def capped(twist: Array, max_speed: float, max_turn: float) -> Array:
+    """The twist (6,) scaled so that neither its linear nor its angular speed exceeds its cap; the path stays the same."""
+    excess = max(float(np.linalg.norm(twist[:3])) / max_speed, float(np.linalg.norm(twist[3:])) / max_turn, 1.0)
+    return np.asarray(twist / excess)
+
+
+def near(a: Pose, b: Pose, *, distance_m: float, angle_rad: float) -> bool:
+    """Whether two poses agree within a distance and an angle."""
+    return float(np.linalg.norm(a.p - b.p)) <= distance_m and float(rotation_distance(a, b)) <= angle_rad
+
+
+def way_back(path: Sequence[Pose], length_m: float, *, spacing_m: float = 0.02) -> tuple[Pose, ...]:
+    """The hand's recent path in reverse, thinned to `spacing_m`, until `length_m` of it are covered."""
+    if not path:
+        return ()
+    back, covered, last = [], 0.0, path[-1]
+    for T in reversed(path):
+        gap = float(np.linalg.norm(T.p - last.p))
+        if gap < spacing_m:
+            continue
+        covered += gap
+        back.append(T)
+        last = T
+        if covered >= length_m:
+            break
+    return tuple(back)
+
+
+def backed_off(T_world_ee: Pose, distance_m: float) -> Pose:
+    """The pose `distance_m` back along the hand's own approach direction (-z)."""
+    return Pose(T_world_ee.p + T_world_ee.rotate(np.array([0.0, 0.0, -distance_m])), T_world_ee.q)

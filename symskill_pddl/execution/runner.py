@@ -1,0 +1,207 @@
+"""Running one skill: phases in order, fingers between them, obstacles around them. Scenes in, commands out.
+
+The runner knows nothing of atoms, and whether the skill has done its job is not its business; the monitor decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from symskill_pddl.errors import InputError, alternatives
+from symskill_pddl.execution.config import MotionConfig
+from symskill_pddl.execution.recovery import capped
+from symskill_pddl.geometry import Array, Pose
+from symskill_pddl.scene import Command, Scene
+from symskill_pddl.skills import Ellipsoid, Phase, Skill, modulate
+
+_IDENTITY = Pose.identity()
+
+
+class Fingers:
+    """Tells whether the fingers have settled since they were told to move."""
+
+    def __init__(self, scene: Scene, config: MotionConfig) -> None:
+        self._config = config
+        self._since: float | None = None
+        self._previous = scene
+        self.closing = scene.gripper_closed
+
+    def tell(self, closing: bool, scene: Scene) -> None:
+        """Command the fingers; a change starts a wait."""
+        if closing != self.closing:
+            self.closing, self._since = closing, scene.time
+
+    def settling(self, scene: Scene) -> bool:
+        """Whether they are still on their way. To be asked once a tick."""
+        previous, self._previous = self._previous, scene
+        if self._since is None:
+            return False
+        waited, dt = scene.time - self._since, scene.time - previous.time
+        slow = dt > 0 and abs(scene.aperture - previous.aperture) / dt < self._config.settle_speed
+        if waited >= self._config.settle_max_s or (waited >= self._config.settle_min_s and slow):
+            self._since = None
+            return False
+        return True
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What the runner wants in one tick, and where it is in its skill. Names as in `monitor.Tick`."""
+
+    command: Command
+    stage: int
+    stage_s: float
+    settling: bool
+    speed: float
+    turn: float
+
+
+class SkillRun:
+    """One execution of a skill, with its frames bound to objects.
+
+    Parameters
+    ----------
+    binding : mapping of str to str
+        Object bound to each parameter; the phases' frames are parameters.
+    shift : (str, Pose) or None
+        A frame and the transform of all fields that live in it (resampled goal).
+    obstacles : callable
+        The obstacles of a scene.
+
+    Raises
+    ------
+    InputError
+        If a phase names a frame that is no parameter of the operator.
+    """
+
+    def __init__(
+        self,
+        skill: Skill,
+        binding: Mapping[str, str],
+        scene: Scene,
+        config: MotionConfig,
+        *,
+        shift: tuple[str, Pose] | None = None,
+        obstacles: Callable[[Scene], Sequence[Ellipsoid]] | None = None,
+    ) -> None:
+        for phase in skill.phases:
+            if phase.frame not in binding:
+                raise InputError(
+                    f"the skill has a phase in frame '{phase.frame}', the operator's parameters are {alternatives(binding)}"
+                )
+        self._skill, self._binding, self._config = skill, binding, config
+        self._shift, self._obstacles = shift, obstacles
+        self._fingers = Fingers(scene, config)
+        self._stage, self._stage_since = 0, scene.time
+        self._rest_since = scene.time
+        self._previous = scene
+
+    @property
+    def phases(self) -> int:
+        return len(self._skill.phases)
+
+    @property
+    def shift_vector(self) -> tuple[float, ...] | None:
+        """The goal's shift as position and quaternion (w, x, y, z), None where the skill runs as learned."""
+        return None if self._shift is None else tuple(self._shift[1].vector().tolist())
+
+    def tick(self, scene: Scene) -> Motion:
+        """The command for this period."""
+        settling = self._fingers.settling(scene)
+        self._note_rest(scene)
+        if not settling:
+            self._advance(scene)
+            settling = self._fingers.settling(scene)
+        if settling:
+            # a phase counts its time, and its rests, from when the fingers are ready for it
+            self._stage_since = self._rest_since = scene.time
+        ended = self._stage == self.phases
+        nominal = np.zeros(6)
+        # with the fingers closed or opened at the end there is nothing left to do but to be still
+        changed = self._skill.close_gripper_at_end != self._skill.phases[-1].close_gripper
+        if not settling and not (ended and changed):
+            nominal = self._twist(min(self._stage, self.phases - 1), scene)
+        twist = self._modulated(nominal, scene)
+        return Motion(
+            Command(capped(twist, self._config.max_speed, self._config.max_turn), self._fingers.closing),
+            self._stage,
+            scene.time - self._stage_since,
+            settling,
+            float(np.linalg.norm(nominal[:3])),
+            float(np.linalg.norm(nominal[3:])),
+        )
+
+    def _advance(self, scene: Scene) -> None:
+        """Go through all phases that are over; stop where the fingers have to move first."""
+        while self._stage < self.phases:
+            phase = self._skill.phases[self._stage]
+            if phase.close_gripper != self._fingers.closing:
+                self._fingers.tell(phase.close_gripper, scene)
+                return
+            if not self._over(phase, scene):
+                return
+            self._stage, self._stage_since = self._stage + 1, scene.time
+            self._rest_since = scene.time
+        self._fingers.tell(self._skill.close_gripper_at_end, scene)
+
+    def _over(self, phase: Phase, scene: Scene) -> bool:
+        T_world_frame, shift = self._frame(phase, scene)
+        if phase.reached(T_world_frame, scene.T_world_ee, shift):
+            return True
+        if scene.time - self._rest_since < self._config.rest_s:
+            return False
+        loose = self._config.loose
+        wide = replace(phase, tolerance_p=loose * phase.tolerance_p, tolerance_r=loose * phase.tolerance_r)
+        return wide.reached(T_world_frame, scene.T_world_ee, shift)
+
+    def _note_rest(self, scene: Scene) -> None:
+        dt = scene.time - self._previous.time
+        moved = float(np.linalg.norm(scene.T_world_ee.p - self._previous.T_world_ee.p))
+        self._previous = scene
+        if dt <= 0 or moved / dt > self._config.rest_speed:
+            self._rest_since = scene.time
+
+    def _frame(self, phase: Phase, scene: Scene) -> tuple[Pose, Pose]:
+        shifted = self._shift is not None and self._shift[0] == phase.frame
+        return scene.pose(self._binding[phase.frame]), self._shift[1] if shifted and self._shift else _IDENTITY
+
+    def _twist(self, stage: int, scene: Scene) -> Array:
+        phase = self._skill.phases[stage]
+        T_world_frame, shift = self._frame(phase, scene)
+        return np.asarray(phase.twist(T_world_frame, scene.T_world_ee, shift))
+
+    def _modulated(self, nominal: Array, scene: Scene) -> Array:
+        if self._obstacles is None or not np.any(nominal[:3]):
+            return nominal
+        phase = self._skill.phases[min(self._stage, self.phases - 1)]
+        goal = phase.T_world_goal(*self._frame(phase, scene)).p
+        # an obstacle around the goal itself would keep the skill from ever arriving
+        around = [o for o in self._obstacles(scene) if not _inside(o, goal)]
+        if not around:
+            return nominal
+        return np.concatenate([modulate(nominal[:3], scene.T_world_ee.p, around), nominal[3:]])
+
+
+def _inside(obstacle: Ellipsoid, point: Array) -> bool:
+    local = obstacle.T_world.inverse().apply(point)
+    return bool(np.linalg.norm(local / np.asarray(obstacle.radii)) <= 1.0)
+
+
+def obstacles_of(
+    scene: Scene, extents: Mapping[str, tuple[float, float, float]], spared: frozenset[str], config: MotionConfig
+) -> tuple[Ellipsoid, ...]:
+    """Ellipsoids around the free-standing objects that a step has nothing to do with.
+
+    The ellipsoid circumscribes half way between the box's faces and its corners, plus the clearance for the hand. `spared`
+    names the objects to leave out: the step's arguments and what is held.
+    """
+    found = []
+    for i, (name, kind) in enumerate(scene.objects.items()):
+        half = extents.get(kind)
+        if name not in spared and half is not None and max(half) <= config.obstacle_limit:
+            radii = 1.3 * np.asarray(half, float) + config.obstacle_clearance
+            found.append(Ellipsoid(scene.T_world_objects[i], radii))
+    return tuple(found)

@@ -1,0 +1,397 @@
+"""The trace of a run: `trace.jsonl`, one JSON object a line, from which every decision of the monitor can be replayed.
+
+The first line is a `Header` with the schema's version. Every line is flushed as it is written, so that a crash loses at most
+the line being written; reading tolerates such a cut last line and says so. The fields named `ms` and `seconds` are wall-clock
+measurements and differ between runs; everything else is a function of the inputs and the seed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import Annotated, Any, Literal, TextIO
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from symskill_pddl.errors import FormatError, InputError
+from symskill_pddl.execution.monitor import (
+    Continue,
+    EffectsHold,
+    JumpAhead,
+    Memory,
+    Tick,
+    Verdict,
+    Violation,
+    Watch,
+    check_start,
+    judge,
+)
+from symskill_pddl.symbols import Atom, GroundOperator, State
+
+SCHEMA = 1
+
+Row = tuple[str, ...]
+"""An atom in JSON: predicate, then arguments."""
+
+
+class _Line(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Header(_Line):
+    """First line: what was run."""
+
+    event: Literal["header"] = "header"
+    schema_version: int = SCHEMA
+    task: str = ""
+    seed: int = 0
+    goal: tuple[Row, ...] = ()
+    objects: dict[str, str] = {}
+    library: str = ""
+    """Checksum of the library."""
+    planner: str = ""
+    monitor: bool = True
+    period_s: float = 0.0
+
+
+class GroundStep(_Line):
+    """A ground operator."""
+
+    name: str
+    args: tuple[str, ...]
+    pre: tuple[Row, ...]
+    add: tuple[Row, ...]
+    delete: tuple[Row, ...]
+    maintain: tuple[Row, ...]
+    absent: tuple[Row, ...]
+    cost: float
+
+
+class PlanLine(_Line):
+    """A call of the planner, and what came of it."""
+
+    event: Literal["plan"] = "plan"
+    time: float
+    reason: str
+    """Why it was called."""
+    status: str
+    steps: tuple[tuple[str, tuple[str, ...]], ...]
+    state: tuple[Row, ...]
+    assumed: tuple[Row, ...] = ()
+    messages: tuple[str, ...] = ()
+    seconds: float = 0.0
+
+
+class VerdictLine(_Line):
+    """A verdict; the fields a kind does not have are left out."""
+
+    kind: str
+    reason: str
+    index: int | None = None
+    violation: str | None = None
+    atoms: tuple[Row, ...] = ()
+    blame: str | None = None
+
+
+class StepLine(_Line):
+    """A step is about to start: all the monitor needs to judge it, and whether it may start."""
+
+    event: Literal["step"] = "step"
+    time: float
+    index: int
+    step: GroundStep
+    later: tuple[GroundStep, ...]
+    gripper: tuple[str, ...]
+    state: tuple[Row, ...]
+    inherited: tuple[Row, ...]
+    assumed: tuple[Row, ...]
+    phases: int
+    exit_s: float
+    budget_s: float
+    grace_s: float
+    stall_s: float
+    still_speed: float
+    still_turn: float
+    attempt: int
+    shift: tuple[float, ...] | None = None
+    """Goal shift as position and quaternion (w, x, y, z), where the step is resampled."""
+    verdict: VerdictLine
+
+
+class TickLine(_Line):
+    """One control tick of a step. `added` and `removed` are relative to the previous line of the step."""
+
+    event: Literal["tick"] = "tick"
+    time: float
+    stage: int
+    stage_s: float
+    settling: bool
+    closing: bool
+    speed: float
+    turn: float
+    added: tuple[Row, ...]
+    removed: tuple[Row, ...]
+    verdict: VerdictLine
+    ms: dict[str, float] = {}
+
+
+class RecoveryLine(_Line):
+    """A general recovery: its name, why, and how it ended."""
+
+    event: Literal["recovery"] = "recovery"
+    time: float
+    name: str
+    reason: str
+    result: str = ""
+
+
+class NoteLine(_Line):
+    """A remark of the caller, for example a scripted disturbance."""
+
+    event: Literal["note"] = "note"
+    time: float
+    text: str
+
+
+class OutcomeLine(_Line):
+    """Last line."""
+
+    event: Literal["outcome"] = "outcome"
+    time: float
+    success: bool
+    category: str
+    reason: str
+    replans: int
+    recoveries: int
+    seconds: float = 0.0
+    ms: dict[str, float] = {}
+
+
+Line = Annotated[
+    Header | PlanLine | StepLine | TickLine | RecoveryLine | NoteLine | OutcomeLine,
+    Field(discriminator="event"),
+]
+_LINE: TypeAdapter[Any] = TypeAdapter(Line)
+
+
+class TraceWriter:
+    """Writes a trace, a line at a time. A context manager; `listener` also gets every line."""
+
+    def __init__(self, path: str | Path, listener: Callable[[Any], None] | None = None) -> None:
+        self._listener = listener
+        try:
+            self._file: TextIO = Path(path).open("w", encoding="utf-8")  # noqa: SIM115 - closed by close()
+        except OSError as error:
+            raise InputError(f"cannot write the trace '{path}': {error.strerror or error}") from None
+
+    def write(self, line: BaseModel) -> None:
+        """Append one line and flush it."""
+        self._file.write(line.model_dump_json(exclude_defaults=False) + "\n")
+        self._file.flush()
+        if self._listener:
+            self._listener(line)
+
+    def note(self, time: float, text: str) -> None:
+        """Append a remark."""
+        self.write(NoteLine(time=time, text=text))
+
+    def close(self) -> None:
+        """Close the file; further writes fail."""
+        self._file.close()
+
+    def __enter__(self) -> TraceWriter:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A trace read back. `note` tells of a last line that was cut off, empty otherwise."""
+
+    header: Header
+    lines: tuple[Any, ...]
+    note: str = ""
+
+    def of(self, event: str) -> tuple[Any, ...]:
+        """All lines of one event."""
+        return tuple(line for line in self.lines if line.event == event)
+
+    @property
+    def outcome(self) -> OutcomeLine | None:
+        return next((line for line in reversed(self.lines) if isinstance(line, OutcomeLine)), None)
+
+
+def read_trace(path: str | Path) -> Trace:
+    """Read `trace.jsonl`.
+
+    Raises
+    ------
+    InputError
+        The file does not exist or is not text.
+    FormatError
+        A line is not of the schema, naming the line; no header; another version. A last line without its line end that does
+        not parse was cut off by a crash: it is left out and noted.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(f"there is no trace '{path}'") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"cannot read the trace '{path}': {error}") from None
+    rows, note, lines = text.split("\n"), "", []
+    for number, row in enumerate(rows, start=1):
+        if not row.strip():
+            continue
+        try:
+            lines.append(_LINE.validate_json(row))
+        except ValidationError as error:
+            if number == len(rows) and number > 1:
+                note = f"the last line ({number}) was cut off and is left out"
+                break
+            first = error.errors()[0]
+            where = ".".join(map(str, first["loc"])) or "line"
+            raise FormatError(f"{path}:{number}: not a line of a trace: {where}: {first['msg']}") from None
+    if not lines or not isinstance(lines[0], Header):
+        raise FormatError(f"{path}:1: a trace starts with a header")
+    if lines[0].schema_version != SCHEMA:
+        raise FormatError(f"{path}:1: trace of version {lines[0].schema_version}, this program reads version {SCHEMA}")
+    return Trace(lines[0], tuple(lines[1:]), note)
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """One decision, as recorded and as the monitor decides it again."""
+
+    line: int
+    """Index into `Trace.lines`."""
+    recorded: VerdictLine
+    again: VerdictLine
+    same: bool = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "same", self.recorded == self.again)
+
+
+def replay(trace: Trace) -> tuple[Replayed, ...]:
+    """Decide every recorded step start and tick again, with the pure monitor."""
+    return tuple(_replay(trace))
+
+
+def _replay(trace: Trace) -> Iterator[Replayed]:
+    watch, state, memory = None, frozenset[Atom](), Memory()
+    for number, line in enumerate(trace.lines):
+        if isinstance(line, StepLine):
+            watch, state, memory = load_watch(line), unrows(line.state), Memory()
+            yield Replayed(number, line.verdict, verdict_line(check_start(watch, state)))
+        elif isinstance(line, TickLine) and watch is not None and trace.header.monitor:
+            state = (state - unrows(line.removed)) | unrows(line.added)
+            judgement = judge(watch, load_tick(line, state), memory)
+            memory = judgement.memory
+            yield Replayed(number, line.verdict, verdict_line(judgement.verdict))
+
+
+def rows(atoms: Iterable[Atom]) -> tuple[Row, ...]:
+    """Atoms as JSON rows, sorted."""
+    return tuple(sorted((a.predicate, *a.args) for a in atoms))
+
+
+def unrows(lines: Iterable[Row]) -> State:
+    """Atoms from JSON rows."""
+    return frozenset(Atom(r[0], tuple(r[1:])) for r in lines)
+
+
+def ground_step(step: GroundOperator) -> GroundStep:
+    """A ground operator for JSON."""
+    sets = {name: rows(getattr(step, name)) for name in ("pre", "add", "delete", "maintain", "absent")}
+    return GroundStep(name=step.name, args=step.args, cost=step.cost, **sets)
+
+
+def load_step(line: GroundStep) -> GroundOperator:
+    """The ground operator of a JSON step."""
+    sets = {name: unrows(getattr(line, name)) for name in ("pre", "add", "delete", "maintain", "absent")}
+    return GroundOperator(line.name, line.args, cost=line.cost, **sets)
+
+
+def step_line(watch: Watch, verdict: Verdict, *, attempt: int, shift: tuple[float, ...] | None) -> StepLine:
+    """The line of a step's start."""
+    return StepLine(
+        time=watch.start_s,
+        index=watch.index,
+        step=ground_step(watch.step),
+        later=tuple(map(ground_step, watch.later)),
+        gripper=tuple(sorted(watch.gripper)),
+        state=rows(watch.start_state),
+        inherited=rows(watch.inherited),
+        assumed=rows(watch.assumed),
+        phases=watch.phases,
+        exit_s=watch.exit_s,
+        budget_s=watch.budget_s,
+        grace_s=watch.grace_s,
+        stall_s=watch.stall_s,
+        still_speed=watch.still_speed,
+        still_turn=watch.still_turn,
+        attempt=attempt,
+        shift=shift,
+        verdict=verdict_line(verdict),
+    )
+
+
+def load_watch(line: StepLine) -> Watch:
+    """What the monitor was given when the step started."""
+    return Watch(
+        step=load_step(line.step),
+        index=line.index,
+        later=tuple(map(load_step, line.later)),
+        gripper=frozenset(line.gripper),
+        start_s=line.time,
+        start_state=unrows(line.state),
+        inherited=unrows(line.inherited),
+        assumed=unrows(line.assumed),
+        phases=line.phases,
+        exit_s=line.exit_s,
+        budget_s=line.budget_s,
+        grace_s=line.grace_s,
+        stall_s=line.stall_s,
+        still_speed=line.still_speed,
+        still_turn=line.still_turn,
+    )
+
+
+def tick_line(tick: Tick, before: State, verdict: Verdict, ms: dict[str, float]) -> TickLine:
+    """The line of one tick; `before` is the state of the step's previous line."""
+    return TickLine(
+        time=tick.now_s,
+        stage=tick.stage,
+        stage_s=tick.stage_s,
+        settling=tick.settling,
+        closing=tick.closing,
+        speed=tick.speed,
+        turn=tick.turn,
+        added=rows(tick.state - before),
+        removed=rows(before - tick.state),
+        verdict=verdict_line(verdict),
+        ms=ms,
+    )
+
+
+def load_tick(line: TickLine, state: State) -> Tick:
+    """What the monitor was given at that tick."""
+    return Tick(line.time, state, line.stage, line.stage_s, line.settling, line.closing, line.speed, line.turn)
+
+
+def verdict_line(verdict: Verdict) -> VerdictLine:
+    """A verdict for JSON."""
+    kind = type(verdict).__name__
+    match verdict:
+        case JumpAhead(index, reason):
+            return VerdictLine(kind=kind, reason=reason, index=index)
+        case Violation(violation, atoms, blame, reason):
+            return VerdictLine(kind=kind, reason=reason, violation=violation.value, atoms=rows(atoms), blame=blame.value)
+        case Continue(reason) | EffectsHold(reason):
+            return VerdictLine(kind=kind, reason=reason)
+        case _:
+            return VerdictLine(kind=kind, reason=verdict.reason)
