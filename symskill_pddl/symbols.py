@@ -294,7 +294,7 @@ def check_atom(domain: Domain, atom: Atom, types: Mapping[str, str], where: str)
         raise InputError(f"{where}: {error}") from None
     if len(atom.args) != len(predicate.types):
         signature = " ".join((predicate.name, *predicate.types))
-        raise InputError(f"{where}: {atom} has {len(atom.args)} arguments, the predicate takes {len(predicate.types)}: ({signature})")
+        raise InputError(f"{where}: {atom} has {len(atom.args)} arguments, it takes {len(predicate.types)}: ({signature})")
     for arg, expected in zip(atom.args, predicate.types, strict=True):
         if arg not in types:
             what = "variable" if arg.startswith("?") else "object"

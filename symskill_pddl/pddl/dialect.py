@@ -2,16 +2,16 @@
 
 The law that ties writing to reading is ``read_domain(write_domain(d, dialect=x)) == exported(d, x).domain``.
 
-| dialect    | negative conditions                | distinct parameters         | cost                    | maintain                |
-|------------|------------------------------------|-----------------------------|-------------------------|-------------------------|
-| `strips`   | complement predicates              | static predicate `different`| none                    | comment                 |
-| `negative` | `not`, `forall`                    | ``(not (= ?a ?b))``         | none                    | comment                 |
-| `costs`    | as `negative`                      | as `negative`               | integer hundredths      | comment                 |
-| `temporal` | as `negative`                      | as `negative`               | duration [s]            | `over all`, delete time |
+| dialect    | negative conditions   | distinct parameters          | cost               | maintain                |
+|------------|-----------------------|------------------------------|--------------------|-------------------------|
+| `strips`   | complement predicates | static predicate `different` | none               | comment                 |
+| `negative` | `not`, `forall`       | ``(not (= ?a ?b))``          | none               | comment                 |
+| `costs`    | as `negative`         | as `negative`                | integer hundredths | comment                 |
+| `temporal` | as `negative`         | as `negative`                | duration [s]       | `over all`, delete time |
 
 Operators bind distinct parameters to distinct objects. PDDL does not, so the export says it wherever two parameters have related
-types. In `strips`, which has no equality, it is a static predicate that the problem states for every pair of different objects: exact,
-and pruned while grounding. Hence a plan for the text is a plan by the semantics of `symbols`, and the reverse.
+types. In `strips`, which has no equality, it is a static predicate that the problem states for every pair of different objects:
+exact, and pruned while grounding. Hence a plan for the text is a plan by the semantics of `symbols`, and the reverse.
 """
 
 from __future__ import annotations
@@ -86,8 +86,8 @@ class Exported:
                 holding = [a for a in problem.init if self._covers(complement, a, args, objects)]
                 if len(holding) > 1:
                     raise InputError(
-                        f"problem '{problem.name}': {' and '.join(map(str, sorted(holding)))} hold together, the 'strips' dialect "
-                        f"compiles on at most one of them; use 'negative'"
+                        f"problem '{problem.name}': {' and '.join(map(str, sorted(holding)))} hold together, but the 'strips' "
+                        f"dialect compiles on at most one of them; use 'negative'"
                     )
                 if not holding:
                     init.add(Atom(complement.name, args))
@@ -138,7 +138,7 @@ def unifiable(domain: Domain, op: Operator) -> tuple[tuple[str, str], ...]:
 
 def fresh(name: str, domain: Domain) -> str:
     """`name`, or the first of name-2, name-3, ... that the domain does not use for anything."""
-    taken = {x.name for x in (*domain.types, *domain.predicates, *domain.operators)}
+    taken = {*(t.name for t in domain.types), *(p.name for p in domain.predicates), *(o.name for o in domain.operators)}
     return next(n for n in (name, *(f"{name}-{i}" for i in range(2, len(taken) + 3))) if n not in taken)
 
 
@@ -153,7 +153,7 @@ def _positive(original: Domain, domain: Domain) -> Exported:
     complements: dict[tuple[str, tuple[tuple[int, str], ...]], Complement] = {}
     for op in domain.operators:
         for absent in sorted(op.absent):
-            over = _dropped(domain, op, absent)
+            over = _dropped(op, absent)
             key = (absent.atom.predicate, over)
             if key not in complements:
                 dropped = {i for i, _ in over}
@@ -175,7 +175,7 @@ def _positive(original: Domain, domain: Domain) -> Exported:
     operators = []
     for op in domain.operators:
         pre = set(op.pre) | {Atom(different, pair) for pair in unifiable(domain, op)}
-        pre |= {complements[a.atom.predicate, _dropped(domain, op, a)].of(a.atom) for a in op.absent}
+        pre |= {complements[a.atom.predicate, _dropped(op, a)].of(a.atom) for a in op.absent}
         add, delete = set(op.add), set(op.delete)
         for complement in complements.values():
             filled = {complement.of(a) for a in op.add if _touches(domain, op, complement, a)}
@@ -192,7 +192,7 @@ def _narrow(domain: Domain, key: tuple[str, tuple[tuple[int, str], ...]]) -> boo
     return any(types[i] != kind for i, kind in key[1])
 
 
-def _dropped(domain: Domain, op: Operator, absent: Absent) -> tuple[tuple[int, str], ...]:
+def _dropped(op: Operator, absent: Absent) -> tuple[tuple[int, str], ...]:
     """Positions of the quantified arguments with the type each ranges over."""
     over = {p.name: p.type for p in absent.over}
     used = [a for a in absent.atom.args if a in over]
@@ -211,8 +211,8 @@ def _touches(domain: Domain, op: Operator, complement: Complement, atom: Atom) -
         if not domain.is_a(bound, kind):
             if domain.is_a(kind, bound):
                 raise InputError(
-                    f"operator '{op.name}': the 'strips' dialect cannot tell whether {atom.args[i]} - {bound} in {atom} is a {kind}, "
-                    f"which another operator's negative condition is about; use 'negative'"
+                    f"operator '{op.name}': the 'strips' dialect cannot tell whether {atom.args[i]} - {bound} in {atom} is a "
+                    f"{kind}, which another operator's negative condition is about; use 'negative'"
                 )
             return False
     return True
@@ -237,17 +237,17 @@ def _prove_exclusive(domain: Domain, complement: Complement) -> None:
             if sum(complement.of(a) == place for a in added) > 1:
                 raise InputError(f"operator '{op.name}': it adds several atoms like {atom} at once; use the dialect 'negative'")
             swapped = any(complement.of(a) == place for a in removed)
-            if not swapped and atom not in op.pre and not _requires_none(domain, op, complement, place):
+            if not swapped and atom not in op.pre and not _requires_none(op, complement, place):
                 raise InputError(
                     f"operator '{op.name}': it adds {atom} without requiring that there is none before, so the 'strips' dialect "
                     f"cannot compile the negative condition on '{complement.predicate}'; use 'negative'"
                 )
 
 
-def _requires_none(domain: Domain, op: Operator, complement: Complement, place: Atom) -> bool:
+def _requires_none(op: Operator, complement: Complement, place: Atom) -> bool:
     return any(
         absent.atom.predicate == complement.predicate
-        and _dropped(domain, op, absent) == complement.over
+        and _dropped(op, absent) == complement.over
         and complement.of(absent.atom) == place
         for absent in op.absent
     )

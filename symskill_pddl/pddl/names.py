@@ -20,11 +20,68 @@ from symskill_pddl.errors import FormatError, InputError, alternatives
 from symskill_pddl.symbols import ROOT_TYPE, Absent, Atom, Domain, Operator, Parameter, Plan, Predicate, Problem, Type
 
 RESERVED = frozenset(
-    "object either and or not imply forall exists when define domain problem requirements types constants predicates functions "
-    "action durative-action derived parameters precondition condition effect duration objects init goal metric at over all start end "
-    "increase decrease assign scale-up scale-down minimize maximize total-cost total-time number always sometime within "
-    "at-most-once sometime-after sometime-before always-within hold-during hold-after preference is-violated length constraints "
-    "undefined true false".split()
+    {
+        "object",
+        "either",
+        "and",
+        "or",
+        "not",
+        "imply",
+        "forall",
+        "exists",
+        "when",
+        "define",
+        "domain",
+        "problem",
+        "requirements",
+        "types",
+        "constants",
+        "predicates",
+        "functions",
+        "action",
+        "durative-action",
+        "derived",
+        "parameters",
+        "precondition",
+        "condition",
+        "effect",
+        "duration",
+        "objects",
+        "init",
+        "goal",
+        "metric",
+        "at",
+        "over",
+        "all",
+        "start",
+        "end",
+        "increase",
+        "decrease",
+        "assign",
+        "scale-up",
+        "scale-down",
+        "minimize",
+        "maximize",
+        "total-cost",
+        "total-time",
+        "number",
+        "always",
+        "sometime",
+        "within",
+        "at-most-once",
+        "sometime-after",
+        "sometime-before",
+        "always-within",
+        "hold-during",
+        "hold-after",
+        "preference",
+        "is-violated",
+        "length",
+        "constraints",
+        "undefined",
+        "true",
+        "false",
+    }
 )
 _NAME = re.compile(r"[a-z][a-z0-9_-]*")
 _KINDS = ("types", "predicates", "operators", "objects")
@@ -158,13 +215,13 @@ class Names(BaseModel):
             for parameter in _variables(op):
                 inner[parameter] = "?" + _free(legal(parameter[1:]), {n[1:] for n in inner.values()})
             parameters[op.name] = inner
-        return cls(**chosen, parameters=parameters)
+        return cls.model_validate({**chosen, "parameters": parameters})
 
     def inverse(self) -> Names:
         """From exported names back to identifiers. The result is not itself a valid set of PDDL names."""
         flipped = {kind: {v: k for k, v in getattr(self, kind).items()} for kind in _KINDS}
         inner = {self.operators.get(op, op): {v: k for k, v in names.items()} for op, names in self.parameters.items()}
-        return Names.model_construct(**flipped, parameters=inner)
+        return Names.model_construct(None, parameters=inner, **flipped)
 
     def domain(self, domain: Domain) -> Domain:
         """The domain under the exported names."""

@@ -1,7 +1,8 @@
 """Plans as text: the formats that planners print, read strictly.
 
-A step is ``(operator object ...)`` on a line of its own, in any case. Tolerated around it: a time before (``0.000:``), a duration after
-(``[1.0]``), a comment, blank lines. A line ``; cost = 3 (unit cost)`` gives the cost. Anything else is an error with its line.
+A step is ``(operator object ...)`` on a line of its own, in any case. Tolerated around it: a time before (``0.000:``), a duration
+after (``[1.0]``), a comment, blank lines. A line ``; cost = 3 (unit cost)`` gives the cost.
+Anything else is an error with its line.
 """
 
 from __future__ import annotations

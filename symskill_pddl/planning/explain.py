@@ -18,8 +18,8 @@ _CLOSEST = 3
 def explain(domain: Domain, problem: Problem, limits: Limits = Limits()) -> tuple[str, ...]:
     """One or more lines for each goal atom that stands in the way; empty where the relaxation finds nothing wrong.
 
-    The relaxation never deletes and forbids nothing, so what it cannot reach, no plan can. What it reaches may still be out of reach:
-    then the goal atoms exclude one another or a negative condition blocks them, and `nearest_goal` says what can be had.
+    The relaxation never deletes and forbids nothing, so what it cannot reach, no plan can. What it reaches may still be out of
+    reach: then the goal atoms exclude one another or a negative condition blocks them, and `nearest_goal` says what can be had.
 
     Raises
     ------

@@ -1,8 +1,8 @@
 """Ground what can be reached at all, and number it: facts become bits, states integers.
 
-Reachability ignores deletes and negative conditions, and joins preconditions with the facts reached so far (semi-naive: each new fact
-is matched once against each precondition it fits). Negative conditions are then compiled at ground level, exactly: every forbidden
-atom that can change gets a complement bit, so the search sees positive STRIPS only.
+Reachability ignores deletes and negative conditions, and joins preconditions with the facts reached so far (semi-naive: each new
+fact is matched once against each precondition it fits). Negative conditions are then compiled at ground level, exactly: every
+forbidden atom that can change gets a complement bit, so the search sees positive STRIPS only.
 """
 
 from __future__ import annotations

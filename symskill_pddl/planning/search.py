@@ -1,110 +1,31 @@
 """`builtin`: a small forward search that knows costs, negative conditions, and extra costs of single ground steps.
 
-Best-first on ``g + h`` with h the cost of FF's relaxed plan (Hoffmann and Nebel, 2001), which sees costs, so a step that was blamed
-for a failure is avoided where there is another way. h can overestimate, so plans are good but not proved to be the cheapest;
-after `PATIENCE` expansions h is weighed more, and large problems are solved with longer plans instead of not at all. ``optimal=True``
-takes h_max (Bonet and Geffner, 2001), which cannot, and proves it at the price of time. Both re-open states that are
-reached more cheaply, and both prove unsolvability by exhausting the reachable states, or at once where even the relaxed problem has
-no plan.
+First best-first on ``g + h`` with the cost of FF's relaxed plan as h. It sees costs, so a step that was blamed for a failure is
+avoided where there is another way; as h can overestimate, plans are good but not proved to be the cheapest. Where `PATIENCE`
+does not see the end of it, a lazy greedy search with preferred operators follows (Helmert, 2006): larger problems get longer plans
+instead of none. ``optimal=True`` takes h_max, which cannot overestimate, and proves the cost at the price of time. Each proves
+unsolvability by exhausting the reachable states, or at once where even the relaxed problem has no plan.
 """
 
 from __future__ import annotations
 
 import heapq
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from symskill_pddl import __version__
 from symskill_pddl.errors import InputError
 from symskill_pddl.planning.grounding import Action, OutOfTimeError, Task, TooLargeError, ground_task
 from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Status, Step
+from symskill_pddl.planning.relaxation import INFINITE, Relaxation
 from symskill_pddl.symbols import Domain, Plan, Problem
 
-_INF = float("inf")
-PATIENCE = 500
-"""States expanded before the search turns greedy."""
-GREEDY = 5.0
-"""The weight of h from then on."""
-
-
-class Relaxation:
-    """Costs of reaching facts when nothing is ever deleted; one instance serves all states of a task."""
-
-    def __init__(self, task: Task) -> None:
-        self._goal = task.goal or ()
-        self._actions = task.actions
-        self._n = task.n_facts
-        self._needed_by: list[list[int]] = [[] for _ in range(task.n_facts)]
-        self._without = [i for i, a in enumerate(task.actions) if not a.pre]
-        for i, action in enumerate(task.actions):
-            for fact in action.pre:
-                self._needed_by[fact].append(i)
-
-    def _explore(self, state: int, *, maximum: bool) -> tuple[list[float], list[int]]:
-        """Dijkstra over facts: cost of each, and the action that first adds it (-1 where the state holds it)."""
-        cost, supporter = [_INF] * self._n, [-1] * self._n
-        missing = [len(a.pre) for a in self._actions]
-        paid = [a.cost for a in self._actions]
-        heap: list[tuple[float, int]] = []
-        bits = state
-        while bits:
-            low = bits & -bits
-            fact = low.bit_length() - 1
-            cost[fact] = 0.0
-            heap.append((0.0, fact))
-            bits ^= low
-
-        def reach(index: int) -> None:
-            total = paid[index]
-            for fact in self._actions[index].add:
-                if total < cost[fact]:
-                    cost[fact], supporter[fact] = total, index
-                    heapq.heappush(heap, (total, fact))
-
-        for index in self._without:
-            reach(index)
-        done = [False] * self._n
-        left = len(self._goal)
-        goals = set(self._goal)
-        while heap and left:
-            value, fact = heapq.heappop(heap)
-            if done[fact]:
-                continue
-            done[fact] = True
-            left -= fact in goals
-            for index in self._needed_by[fact]:
-                missing[index] -= 1
-                if maximum:
-                    paid[index] = max(paid[index], value + self._actions[index].cost)
-                else:
-                    paid[index] += value
-                if missing[index] == 0:
-                    reach(index)
-        return cost, supporter
-
-    def h_max(self, state: int) -> float:
-        """Admissible: no plan is cheaper."""
-        cost, _ = self._explore(state, maximum=True)
-        return max((cost[g] for g in self._goal), default=0.0)
-
-    def h_ff(self, state: int) -> float:
-        """Cost of a relaxed plan built from the cheapest supporters; infinite only where there is truly no plan."""
-        cost, supporter = self._explore(state, maximum=False)
-        if any(cost[g] == _INF for g in self._goal):
-            return _INF
-        chosen: set[int] = set()
-        stack, seen = list(self._goal), set(self._goal)
-        while stack:
-            index = supporter[stack.pop()]
-            if index < 0 or index in chosen:
-                continue
-            chosen.add(index)
-            for fact in self._actions[index].pre:
-                if fact not in seen:
-                    seen.add(fact)
-                    stack.append(fact)
-        return sum(self._actions[i].cost for i in sorted(chosen))
+_Entry = tuple[float, int, int, Action | None]
+PATIENCE = 40_000
+"""States expanded, times ground operators, before the search turns greedy: about a tenth of a second of work."""
+BOOST = 1000
+"""How many expansions preferred operators get ahead for each state that looks better than all before."""
 
 
 @dataclass(frozen=True)
@@ -160,41 +81,96 @@ class Builtin:
 
     def _search(self, task: Task, deadline: float) -> tuple[list[Action] | None, int]:
         relaxation = Relaxation(task)
-        heuristic = relaxation.h_max if self.optimal else relaxation.h_ff
-        goal = task.goal_mask
-        best, estimate = {task.init: 0.0}, {task.init: heuristic(task.init)}
-        parent: dict[int, tuple[int, Action]] = {}
-        tie, expanded, weight = 0, 0, 1.0
-        heap = [(estimate[task.init], estimate[task.init], tie, 0.0, task.init)] if estimate[task.init] < _INF else []
-        while heap:
-            _, _, _, g, state = heapq.heappop(heap)
-            if g > best[state]:
+        if self.optimal:
+            return _best_first(task, relaxation.h_max, deadline, expansions=None)
+        patience = max(10, PATIENCE // max(1, len(task.actions)))
+        try:
+            return _best_first(task, relaxation.h_ff, deadline, expansions=patience)
+        except _OutOfPatienceError:
+            found, expanded = _lazy_greedy(task, relaxation, deadline)
+            return found, expanded + patience
+
+
+class _OutOfPatienceError(Exception):
+    """The allowed number of states was expanded."""
+
+
+def _best_first(
+    task: Task, heuristic: Callable[[int], float], deadline: float, *, expansions: int | None
+) -> tuple[list[Action] | None, int]:
+    """Best-first on g + h; states that are reached more cheaply are opened again."""
+    goal = task.goal_mask
+    best, estimate = {task.init: 0.0}, {task.init: heuristic(task.init)}
+    parent: dict[int, tuple[int, Action]] = {}
+    tie = expanded = 0
+    heap = [(estimate[task.init], estimate[task.init], tie, 0.0, task.init)] if estimate[task.init] < INFINITE else []
+    while heap:
+        _, _, _, g, state = heapq.heappop(heap)
+        if g > best[state]:
+            continue
+        if state & goal == goal:
+            return _trace(parent, state), expanded
+        if expanded == expansions:
+            raise _OutOfPatienceError
+        expanded += 1
+        if time.monotonic() > deadline:
+            raise OutOfTimeError
+        for action in task.actions:
+            if state & action.pre_mask != action.pre_mask:
                 continue
-            if state & goal == goal:
-                return _trace(parent, state), expanded
-            expanded += 1
-            if expanded == PATIENCE and not self.optimal:
-                weight = GREEDY
-                heap = [(other_g + weight * h, h, order, other_g, other) for _, h, order, other_g, other in heap]
-                heapq.heapify(heap)
-            if time.monotonic() > deadline:
-                raise OutOfTimeError
-            for action in task.actions:
-                if state & action.pre_mask != action.pre_mask:
-                    continue
-                successor = (state & ~action.delete_mask) | action.add_mask
-                cost = g + action.cost
-                if cost >= best.get(successor, _INF):
-                    continue
-                best[successor] = cost
-                if successor not in estimate:
-                    estimate[successor] = heuristic(successor)
-                if (h := estimate[successor]) == _INF:
-                    continue
-                parent[successor] = (state, action)
+            successor = (state & ~action.delete_mask) | action.add_mask
+            cost = g + action.cost
+            if cost >= best.get(successor, INFINITE):
+                continue
+            best[successor] = cost
+            if successor not in estimate:
+                estimate[successor] = heuristic(successor)
+            if (h := estimate[successor]) == INFINITE:
+                continue
+            parent[successor] = (state, action)
+            tie += 1
+            heapq.heappush(heap, (cost + h, h, tie, cost, successor))
+    return None, expanded
+
+
+def _lazy_greedy(task: Task, relaxation: Relaxation, deadline: float) -> tuple[list[Action] | None, int]:
+    """Greedy on the parent's h, evaluating a state only when it is taken out; helpful actions have a queue of their own."""
+    goal = task.goal_mask
+    queues: tuple[list[_Entry], list[_Entry]] = ([(0.0, 0, task.init, None)], [])  # all actions; preferred ones
+    turns = [0, 0]
+    parent: dict[int, tuple[int, Action]] = {}
+    closed: set[int] = set()
+    tie = expanded = 0
+    lowest = INFINITE
+    while any(queues):
+        which = min((i for i in (1, 0) if queues[i]), key=lambda i: turns[i])
+        turns[which] += 1
+        _, _, before, action = heapq.heappop(queues[which])
+        state = before if action is None else (before & ~action.delete_mask) | action.add_mask
+        if state in closed:
+            continue
+        closed.add(state)
+        if action is not None:
+            parent[state] = (before, action)
+        if state & goal == goal:
+            return _trace(parent, state), expanded
+        if time.monotonic() > deadline:
+            raise OutOfTimeError
+        h, helpful = relaxation.h_ff_with_plan(state)
+        if h == INFINITE:
+            continue
+        expanded += 1
+        if h < lowest:
+            lowest = h
+            turns[1] -= BOOST
+        for i, following in enumerate(task.actions):
+            if state & following.pre_mask == following.pre_mask:
                 tie += 1
-                heapq.heappush(heap, (cost + weight * h, h, tie, cost, successor))
-        return None, expanded
+                entry = (h, tie, state, following)
+                heapq.heappush(queues[0], entry)
+                if i in helpful:
+                    heapq.heappush(queues[1], entry)
+    return None, expanded
 
 
 def _trace(parent: Mapping[int, tuple[int, Action]], state: int) -> list[Action]:

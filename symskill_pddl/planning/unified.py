@@ -1,4 +1,7 @@
-"""`unified-planning:ENGINE`: any engine that unified-planning knows, by name. Imported when first asked for, it takes a second."""
+"""`unified-planning:ENGINE`: any engine that unified-planning knows, by name.
+
+Imported when first asked for, which takes a second.
+"""
 
 from __future__ import annotations
 
