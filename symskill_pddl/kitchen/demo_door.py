@@ -103,7 +103,10 @@ def close_door(hand: Hand, door_name: str) -> None:
     ready = outside(start, 0.10)
     under = moved(ready, [-0.12, -0.02, -0.22])
     low = moved(Pose(hand.T.p, under.q), [0.0, -0.10, min(0.0, under.p[2] - hand.T.p[2])])
-    hand.go([vary(low, rng, 0.015), vary(under, rng, 0.015), vary(moved(ready, [-0.04, -0.03, 0.0]), rng, 0.01), ready], pause=faults.pause)
+    hand.go(
+        [vary(low, rng, 0.015), vary(under, rng, 0.015), vary(moved(ready, [-0.04, -0.03, 0.0]), rng, 0.01), ready],
+        pause=faults.pause,
+    )
     hand.fingers(True)
     hand.go([outside(start, 0.02)], careful=True)
     hand.go([outside(float(a), -0.005) for a in np.linspace(start, 0.0, 10)[1:]])

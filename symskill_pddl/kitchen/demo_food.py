@@ -1,69 +1,83 @@
 """How people take food out of the cabinet and put it in: grasped across its thin side, at one pitch from the pick to the place.
 
-The pitch stays, because food that is turned between the fingers tumbles when it is put down. The way in and the way out are straight
-along the approach direction, clear of the cabinet's floor.
+The pitch stays, because food that is turned between the fingers tumbles when it is put down. It is one at which the arm reaches
+both the counter and the cabinet's floor. The last way in and the first way out run straight along the approach direction.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
-from symskill_pddl.kitchen.demo_hand import Hand, along, facing, moved
+from symskill_pddl.kitchen.demo_hand import Hand, along, facing, moved, offset
 from symskill_pddl.kitchen.human import approach_twice, vary
 
-HALF_TURN = np.pi
-
-
-def grasp_of(hand: Hand, food: str, pitch: float) -> Pose:
-    """A hand about the middle of the food, its fingers across the thin side, its yaw as near to straight ahead as the food lets it."""
-    T = hand.scene.pose(food)
-    forward = T.rotate([1.0, 0.0, 0.0])
-    yaw = float(np.arctan2(forward[1], forward[0]))
-    yaw -= np.pi * np.round(yaw / np.pi)
-    p = T.p + hand.rng.uniform([-0.003, -0.002, 0.0], [0.003, 0.002, 0.004])
-    return Pose(p, facing(yaw, pitch, hand.T))
+PITCH_DEG = (63.0, 67.0)
+COUNTER_TOP, CABINET_FLOOR = 0.0, layout.CABINET_INSIDE.center[2] - layout.CABINET_INSIDE.half[2]
+"""Heights of the supports: of the counter in the world, of the floor in the cabinet's frame [m]."""
+ON_COUNTER = ((0.50, 0.08), (0.04, 0.06))
+"""Where people put food on the counter: middle and half width in the world [m]."""
+IN_CABINET = ((-0.085, 0.0), (0.015, 0.05))
+"""Where they put it in the cabinet, in its frame [m]."""
+FRONT = -layout.CABINET.half[0]
+"""The plane of the cabinet's opening: x in its frame."""
 
 
 def to_counter(hand: Hand, food: str) -> None:
     """Out of the cabinet, onto the counter."""
     rng = hand.rng
-    grasp = grasp_of(hand, food, float(np.radians(rng.uniform(37.0, 44.0))))
-    _pick(hand, food, grasp, reach_m=0.20)
-    up = moved(grasp, [0.0, 0.0, rng.uniform(0.03, 0.06)])
-    front = layout.CABINET.center[0] - layout.CABINET.half[0] - 0.12
-    out = Pose(np.array([front, 0.5 * up.p[1], up.p[2] + 0.03]), up.q)
-    place = _place_pose(hand, grasp, np.array([0.44, 0.02, 0.0]) + rng.uniform([-0.05, -0.08, 0.0], [0.05, 0.08, 0.0]), support_was=0.47)
-    _carry(hand, [up, vary(out, rng, 0.015), moved(place, [0.0, 0.0, 0.10]), place])
-    _let_go(hand)
+    cabinet = hand.scene.pose("cabinet")
+    grasp = _grasp(hand, food)
+    _pick(hand, grasp, [_before(cabinet, grasp, 0.08)])
+    up = moved(grasp, [0.0, 0.0, rng.uniform(0.035, 0.055)])
+    spot = (*(np.array(ON_COUNTER[0]) + rng.uniform(-1.0, 1.0, 2) * ON_COUNTER[1]), COUNTER_TOP)
+    place = _place(hand, grasp, spot, cabinet.p[2] + CABINET_FLOOR)
+    _carry(hand, [up, vary(_before(cabinet, up, 0.02), rng, 0.012), moved(place, [0.0, 0.0, 0.08])], place)
 
 
 def to_cabinet(hand: Hand, food: str) -> None:
     """From the counter into the cabinet."""
     rng = hand.rng
-    grasp = grasp_of(hand, food, float(np.radians(rng.uniform(40.0, 48.0))))
-    _pick(hand, food, grasp, reach_m=0.12)
-    up = moved(grasp, [0.0, 0.0, rng.uniform(0.06, 0.09)])
-    place = _place_pose(hand, grasp, np.array([0.73, -0.10, 0.47]) + rng.uniform([-0.03, -0.06, 0.0], [0.03, 0.06, 0.0]), support_was=0.0)
-    front = layout.CABINET.center[0] - layout.CABINET.half[0] - 0.13
-    before = Pose(np.array([front, 0.7 * place.p[1], place.p[2] + 0.07]), place.q)
-    _carry(hand, [up, vary(before, rng, 0.015), moved(place, [-0.04, 0.0, 0.05]), place])
-    _let_go(hand)
+    cabinet = hand.scene.pose("cabinet")
+    grasp = _grasp(hand, food)
+    _pick(hand, grasp, [])
+    up = moved(grasp, [0.0, 0.0, rng.uniform(0.05, 0.08)])
+    spot = cabinet.apply((*(np.array(IN_CABINET[0]) + rng.uniform(-1.0, 1.0, 2) * IN_CABINET[1]), CABINET_FLOOR))
+    place = _place(hand, grasp, spot, COUNTER_TOP)
+    _carry(hand, [up, vary(_before(cabinet, place, 0.07), rng, 0.012), moved(place, [-0.02, 0.0, 0.05])], place)
 
 
-def _place_pose(hand: Hand, grasp: Pose, p: np.ndarray, support_was: float) -> Pose:
-    """Hand pose that puts the food down over `p` (3,), a point of the support; the grasp keeps its height over the support."""
-    yaw = float(np.arctan2(*grasp.rotate([0.0, 0.0, 1.0])[[1, 0]]))
-    pitch = float(-np.arcsin(grasp.rotate([0.0, 0.0, 1.0])[2]))
-    turned = yaw * hand.rng.uniform(0.0, 0.6)
+def _grasp(hand: Hand, food: str) -> Pose:
+    """A hand about the middle of the food, its fingers across the thin side, of the two yaws that do so the one straighter ahead."""
+    T = hand.scene.pose(food)
+    forward = T.rotate([1.0, 0.0, 0.0])
+    yaw = float(np.arctan2(forward[1], forward[0]))
+    yaw -= np.pi * np.round(yaw / np.pi)
+    pitch = float(np.radians(hand.rng.uniform(*PITCH_DEG)))
+    p = T.p + hand.rng.uniform([-0.003, -0.002, -0.002], [0.003, 0.002, 0.003])
+    return Pose(p, facing(yaw, pitch, hand.T))
+
+
+def _before(cabinet: Pose, T_world_ee: Pose, up_m: float) -> Pose:
+    """The hand drawn straight back out of the cabinet, 7 cm in front of its opening, `up_m` higher."""
+    T = cabinet.inverse() @ T_world_ee
+    back = FRONT - 0.07 - T.p[0]
+    return cabinet @ offset([back, 0.0, up_m]) @ T
+
+
+def _place(hand: Hand, grasp: Pose, spot: ArrayLike, support_was: float) -> Pose:
+    """The hand that puts the food down over `spot` (3,), a point of the support: as high above it as it was above the last one."""
+    approach = grasp.rotate([0.0, 0.0, 1.0])
+    yaw, pitch = float(np.arctan2(approach[1], approach[0])), float(-np.arcsin(approach[2]))
     height = grasp.p[2] - support_was + 0.002
-    return Pose(p + np.array([0.0, 0.0, height]), facing(turned, pitch, hand.T))
+    return Pose(np.asarray(spot) + [0.0, 0.0, height], facing(yaw * float(hand.rng.uniform(0.0, 0.5)), pitch, hand.T))
 
 
-def _pick(hand: Hand, food: str, grasp: Pose, reach_m: float) -> None:
+def _pick(hand: Hand, grasp: Pose, via: list[Pose]) -> None:
     rng, faults = hand.rng, hand.faults
-    way = [vary(along(grasp, -reach_m), rng, 0.012), along(grasp, -0.07), grasp]
+    way = [*(vary(T, rng, 0.015) for T in via), along(grasp, -float(rng.uniform(0.09, 0.11))), grasp]
     hand.go(approach_twice(way, rng) if faults.second_approach else way, pause=faults.pause)
     if faults.poor_grasp:
         hand.fingers(True)
@@ -73,12 +87,10 @@ def _pick(hand: Hand, food: str, grasp: Pose, reach_m: float) -> None:
     hand.fingers(True)
 
 
-def _carry(hand: Hand, way: list[Pose]) -> None:
-    hand.go(way)
+def _carry(hand: Hand, via: list[Pose], place: Pose) -> None:
+    hand.go(via)
+    hand.go([place], careful=True)
     hand.rest(0.2)
-
-
-def _let_go(hand: Hand) -> None:
     hand.fingers(False)
-    hand.go([along(hand.T, -0.12)])
+    hand.go([along(hand.T, -float(hand.rng.uniform(0.09, 0.12)))])
     hand.leave()

@@ -33,7 +33,7 @@ def record(task: str, n: int, seed: int, keep_failed: bool = False) -> tuple[Dem
     Returns
     -------
     tuple of Demo
-        In order of their seeds; attributes `task`, `seed` and `success` (0 or 1).
+        In order of their seeds; attributes `seed` and `success` (0 or 1).
 
     Raises
     ------
@@ -51,7 +51,7 @@ def record(task: str, n: int, seed: int, keep_failed: bool = False) -> tuple[Dem
         scenes = demonstrate(world, np.random.default_rng([episode, 1]))
         success = world.succeeded()
         if success or keep_failed:
-            attributes: dict[str, str | int | float] = {"task": task, "seed": episode, "success": int(success)}
+            attributes: dict[str, str | int | float] = {"seed": episode, "success": int(success)}
             demos.append(demo_of(scenes, f"demo_{len(demos)}", task, attributes))
     if len(demos) < n:
         raise InputError(f"task '{task}': of {limit} episodes from seed {seed} on only {len(demos)} succeeded, not {n}")
