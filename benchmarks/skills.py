@@ -9,7 +9,7 @@ and a demonstration is taken to last 10 s. Measured on the training demonstratio
   warping of the positions (orientation also along its own alignment, in brackets);
 - converged: share of 15 rollouts within 0.5 cm and 3 deg of the goal after at most 3 times the demonstration's time, from starts
   disturbed by 10 cm and 45 deg, and by 30 cm and any rotation;
-- fit: seconds for everything, model selection and splitting included; step: microseconds of one evaluation.
+- fit: processor seconds for everything, model selection and splitting included; step: microseconds of one evaluation.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import timeit
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 import numba
 import numpy as np
@@ -102,14 +102,16 @@ def disturbed(T: Pose, distance: float, angle: float | None, rng: np.random.Gene
 
 def measure(trajectories: list[Trajectory], config: FitConfig, rng: np.random.Generator) -> dict[str, float]:
     """All figures of one task."""
-    start = perf_counter()
+    start = process_time()
     fields = fit_fields(trajectories, config)
-    fit_s = perf_counter() - start
+    fit_s = process_time() - start
     found = [errors(execute(fields, t.T_frame_ee[0], config, 3 * DURATION_S)[0], t.T_frame_ee) for t in trajectories]
     converged = [
         np.mean(
             [
-                execute(fields, disturbed(trajectories[i % len(trajectories)].T_frame_ee[0], d, a, rng), config, 3 * DURATION_S)[1]
+                execute(fields, disturbed(trajectories[i % len(trajectories)].T_frame_ee[0], d, a, rng), config, 3 * DURATION_S)[
+                    1
+                ]
                 for i in range(15)
             ]
         )

@@ -85,23 +85,30 @@ def fit_reported(trajectories: Sequence[Trajectory], config: FitConfig = FitConf
     if not trajectories:
         raise InputError("fitting a field needs at least one trajectory")
     whole = _Part.fit([smooth(t, config.smoothing_s) for t in trajectories], config)
-    sequences = [[whole]]
-    while len(sequences) < config.max_fields:
-        parts = sequences[-1]
-        worst = max(parts, key=lambda p: p.deviation)
-        if worst.deviation <= 1.0 or (halves := worst.halves(config)) is None:
-            break
-        at = parts.index(worst)
-        sequences.append([*parts[:at], *halves, *parts[at + 1 :]])
-    # the fewest fields that follow; where none do, the fewest that follow nearly as well as the best
-    enough = max(1.0, 1.2 * min(_worst(parts) for parts in sequences))
-    parts = next(parts for parts in sequences if _worst(parts) <= enough)
+    parts = [whole] if whole.deviation <= 1.0 else _split(whole, config)
     report = FitReport(
         tuple(p.deviation for p in parts),
         tuple(float(np.mean([t.duration_s for t in p.trajectories])) for p in parts),
         max((_retreat(way) for way in whole.shown), default=0.0),
     )
     return tuple(p.field for p in parts), report
+
+
+def _split(whole: _Part, config: FitConfig) -> list[_Part]:
+    """The fewest fields that follow; where none do, the fewest that follow nearly as well as the best."""
+    # the search needs no more than rough fits; what it finds is fitted anew
+    rough = replace(config, max_components=min(3, config.max_components), samples=min(40, config.samples))
+    sequences = [[whole]]
+    while len(sequences) < config.max_fields:
+        parts = sequences[-1]
+        worst = max(parts, key=lambda p: p.deviation)
+        if worst.deviation <= 1.0 or (halves := worst.halves(rough)) is None:
+            break
+        at = parts.index(worst)
+        sequences.append([*parts[:at], *halves, *parts[at + 1 :]])
+    enough = max(1.0, 1.4 * min(_worst(parts) for parts in sequences))
+    found = next(parts for parts in sequences if _worst(parts) <= enough)
+    return [part if part is whole else _Part.fit(part.trajectories, config) for part in found]
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,20 +141,16 @@ class _Part:
 
     def halves(self, config: FitConfig) -> tuple[_Part, _Part] | None:
         """The best two parts, or None where the demonstrations are too short to be cut."""
-        rough = replace(config, max_components=min(3, config.max_components), samples=min(40, config.samples))
-        best: tuple[float, list[int]] | None = None
+        best: tuple[_Part, _Part] | None = None
         for index in self._candidates():
             cuts = [int(at[i]) for at, i in zip(self.at, self._matches(index), strict=True)]
             if all(0 < cut < len(t) - 1 for cut, t in zip(cuts, self.trajectories, strict=True)):
-                value = sum(p.deviation for p in self._cut(cuts, rough))
-                if best is None or value < best[0]:
-                    best = value, cuts
-        return None if best is None else self._cut(best[1], config)
-
-    def _cut(self, cuts: list[int], config: FitConfig) -> tuple[_Part, _Part]:
-        first = [t.cut(0, cut) for t, cut in zip(self.trajectories, cuts, strict=True)]
-        second = [t.cut(cut, len(t) - 1) for t, cut in zip(self.trajectories, cuts, strict=True)]
-        return _Part.fit(first, config), _Part.fit(second, config)
+                first = [t.cut(0, cut) for t, cut in zip(self.trajectories, cuts, strict=True)]
+                second = [t.cut(cut, len(t) - 1) for t, cut in zip(self.trajectories, cuts, strict=True)]
+                halves = _Part.fit(first, config), _Part.fit(second, config)
+                if best is None or sum(p.deviation for p in halves) < sum(p.deviation for p in best):
+                    best = halves
+        return best
 
     def _candidates(self) -> list[int]:
         """Samples of the mean way where a via pose may help: its corner, its farthest and its nearest point before the end."""
@@ -211,7 +214,7 @@ def _deviation(field: Field, trajectories: list[Trajectory], shown: Array, confi
     """
     starts = Pose.stack([t.T_frame_ee[0] for t in trajectories])
     duration = 1.5 * max(t.duration_s for t in trajectories) + 1.0
-    driven = rollout(field, starts, duration, max(config.period_s, duration / 200))
+    driven = rollout(field, starts, duration, max(config.period_s, duration / 120))
     bend = (np.linspace(0.0, 1.0, shown.shape[1]) ** 2)[None, :, None] * shown[:, -1:]
     ways = shown - bend
     p = ways[..., :3] * config.tolerance_m + field.position.goal

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -118,7 +117,7 @@ class Path:
 def position_path(trajectory: Trajectory, goal: Array, config: FitConfig) -> Path | None:
     """The positions' path to `goal` (3,), or None when the demonstration stays at its goal."""
     x = trajectory.T_frame_ee.p - goal
-    kept = _moving(lambda i, j: np.linalg.norm(x[j] - x[i], axis=-1), len(x), config.still_fraction, config.min_motion_m)
+    kept = _moving(x, config.still_fraction, config.min_motion_m)
     if kept is None:
         return None
     x, t = x[kept], trajectory.times[kept]
@@ -136,11 +135,8 @@ def position_path(trajectory: Trajectory, goal: Array, config: FitConfig) -> Pat
 def orientation_path(trajectory: Trajectory, goal: Array, config: FitConfig) -> Path | None:
     """The orientations' path to the unit quaternion `goal` (4,), or None when the demonstration stays at its goal."""
     q = continuous_signs(trajectory.T_frame_ee.q)
-
-    def angle(i: int, j: NDArray[np.intp]) -> Array:
-        return np.linalg.norm(quat_log(quat_multiply(q[j], quat_conjugate(q[i]))), axis=-1)
-
-    kept = _moving(angle, len(q), config.still_fraction, config.min_rotation_rad)
+    # twice the chord between quaternions is the angle, near enough for a dead band
+    kept = _moving(2.0 * q, config.still_fraction, config.min_rotation_rad)
     if kept is None:
         return None
     q, t = q[kept], trajectory.times[kept]
@@ -159,7 +155,7 @@ def orientation_path(trajectory: Trajectory, goal: Array, config: FitConfig) -> 
 
 def evenly(x: Array, fraction: float, least: float, samples: int) -> tuple[Array, NDArray[np.intp]] | None:
     """Points (samples, d) evenly spaced along the way x (n, d), and the index of the sample of x nearest before each; None if x stays."""
-    kept = _moving(lambda i, j: np.linalg.norm(x[j] - x[i], axis=-1), len(x), fraction, least)
+    kept = _moving(x, fraction, least)
     if kept is None:
         return None
     length = _cumulative(np.linalg.norm(np.diff(x[kept], axis=0), axis=-1))
@@ -185,22 +181,20 @@ def _cumulative(steps: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def _moving(distance: Callable[[int, NDArray[np.intp]], Array], n: int, fraction: float, least: float) -> list[int] | None:
-    """Indices of the samples that lie apart by a dead band: jitter while standing still adds no way."""
-    if n < 2:
-        return None
-    everything = np.arange(n)
-    extent = float(distance(n - 1, everything).max())
+def _moving(x: Array, fraction: float, least: float) -> list[int] | None:
+    """Indices of the samples of x (n, d) that lie apart by a dead band: jitter while standing still adds no way."""
+    n = len(x)
+    extent = float(np.linalg.norm(x - x[-1], axis=-1).max())
     if extent < least:
         return None
-    band = fraction * extent
-    kept = [0]
-    while True:
-        # distances from the last kept sample to all later ones; the first beyond the band is kept
-        later = distance(kept[-1], everything[kept[-1] + 1 :]) > band
-        if not later.any():
-            break
-        kept.append(kept[-1] + 1 + int(np.argmax(later)))
+    band, kept, start, width = (fraction * extent) ** 2, [0], 1, 16
+    while start < n:
+        later = ((x[start : start + width] - x[kept[-1]]) ** 2).sum(-1) > band
+        if later.any():
+            kept.append(start + int(np.argmax(later)))
+            start = kept[-1] + 1
+        else:
+            start += width
     if kept[-1] != n - 1:
         # what follows the last kept sample is within the band: the end replaces it, unless it is the start
         kept[-1:] = [n - 1] if len(kept) > 1 else [0, n - 1]
