@@ -4,13 +4,13 @@ Velocity tracking by damping alone, after Kronander and Billard, "Passive Intera
 
     F = -D (xdot - f) + s,    D = r_across Lambda - (r_across - r_along) b(f) (Lambda f)(Lambda f)^T / (f^T Lambda f)
 
-with the commanded twist f and the operational-space inertia Lambda: motion along f meets low damping (the arm gives way when it is
-blocked), motion across f meets high damping. `b` fades the difference out at low speed, so that a hand at rest is held firmly from
-all sides. The small spring s is of the bristle kind: it stretches by the integrated tracking error and slips at a few newtons, which
-removes the creep under a load in the hand and bounds the force at once.
+with the commanded twist f and the operational-space inertia Lambda: motion along f meets low damping (the arm gives way when it
+is blocked), motion across f meets high damping. `b` fades the difference out at low speed, so that a hand at rest is held firmly
+from all sides. The small spring s is of the bristle kind: it stretches by the integrated tracking error and slips at a few
+newtons, which removes the creep under a load in the hand and bounds the force at once.
 
-What the command pumps into the arm is drawn from an energy tank, and damping pays into it. An empty tank closes the valve on f: then
-only dissipation is left, whatever the command is.
+What the command pumps into the arm is drawn from an energy tank, and damping pays into it. An empty tank closes the valve on f:
+then only dissipation is left, whatever the command is.
 """
 
 from __future__ import annotations
@@ -27,8 +27,9 @@ from symskill_pddl.geometry import Array, frozen
 PANDA_TORQUE_LIMITS = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
 """Joint torque limits of the Franka Panda [Nm]."""
 
-ELBOW_UP = (0.0, -0.3, 0.0, -2.2, 0.0, 2.2, 0.785)
-"""The posture [rad] the arm leans to in its null space: elbow up, wrist in the middle of its range."""
+ELBOW_UP = (0.1, -0.6, -0.1, -2.4, 0.6, 2.6, 0.1)
+"""The posture [rad] the arm leans to in its null space: elbow up, and the wrist turned to the side on which a hand that looks ahead
+keeps clear of joint 6's limit (a wrist turned to neither side falls to the wrong one half of the time)."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +139,7 @@ class PassiveController:
 
 
 def damping_matrix(inertia: ArrayLike, twist: ArrayLike, config: ControlConfig | None = None) -> Array:
-    """The damping D (6, 6), symmetric and positive definite, for an operational-space inertia (6, 6) and a commanded twist (6,)."""
+    """The damping D (6, 6), symmetric and positive definite, for an inertia (6, 6) of the hand and a commanded twist (6,)."""
     c = config or ControlConfig()
     return np.asarray(
         _damping(

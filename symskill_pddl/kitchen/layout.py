@@ -64,7 +64,7 @@ EXTENTS: dict[str, Vec3] = {
 
 
 def hand_pose(p: Array | Vec3, yaw: float, pitch: float) -> Pose:
-    """A hand at p (3,) whose approach looks `pitch` [rad] below the horizontal, turned by `yaw` about the vertical; fingers open sideways."""
+    """A hand at p (3,) that looks `pitch` [rad] below the horizontal, turned left by `yaw` [rad]; the fingers open sideways."""
     from scipy.spatial.transform import Rotation
 
     # columns x, y, z of the frame at yaw 0 and pitch 0: z forward, y to the left, x down

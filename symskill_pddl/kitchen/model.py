@@ -1,7 +1,7 @@
 """The MuJoCo model of the kitchen, put together with robosuite's own pieces.
 
-robosuite gives the arm, the gripper, the empty room and the meshes of some foods; fixtures are added as an arena of our own. The model is
-compiled once per process and copied for every episode, whose placements are fields of the compiled model.
+robosuite gives the arm, the gripper, the empty room and the meshes of some foods; fixtures are added as an arena of our own. The
+model is compiled once per process and copied for every episode, whose placements are fields of the compiled model.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The stepping loop: MuJoCo's model and data, the arm's torque control between its two half steps, and what only a simulator can read or set.
+"""The stepping loop: MuJoCo's model and data, torque control between its two half steps, and what only a simulator can read or set.
 
 robosuite's own loop runs its Python controllers at every physics step and is five times slower.
 """
@@ -19,7 +19,7 @@ _OPEN, _CLOSED = (0.04, -0.04), (-0.02, 0.02)
 
 
 class Physics:
-    """One kitchen in motion. Everything here is the simulator's own state: for set-up, judges and disturbances, not for controllers.
+    """One kitchen in motion. All this is the simulator's own state: for set-up, judges and disturbances, not for controllers.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Physics:
         nv = self.model.nv
         self._J, self._M = np.zeros((6, nv)), np.zeros((nv, nv))
 
-    # --- state, read
+    # --- reading the state
 
     def T_world_ee(self) -> Pose:
         site = self.data.site(EE_SITE)
@@ -107,7 +107,7 @@ class Physics:
         owners = self.model.geom_bodyid[self.data.contact.geom[: self.data.ncon]]
         return any((a == body and b in self._robot) or (b == body and a in self._robot) for a, b in owners.tolist())
 
-    # --- state, set (episodes, tests)
+    # --- setting the state, for episodes and tests
 
     def set_cabinet(self, shift: ArrayLike) -> None:
         """Put the cabinet at its place in the layout plus `shift` (3,) [m]."""

@@ -31,7 +31,7 @@ HAND_AWAY = 0.08
 COUNTER_REGION = Box((0.42, 0.0, 0.025), (0.20, 0.55, 0.025))
 """Where a food counts as being on the counter (world): what the arm reaches of it."""
 COUNTER_SPOT = Box((0.43, 0.37, 0.0), (0.05, 0.06, 0.0))
-"""Where the food to be picked from the counter stands (world): beside the arm, where a hand can reach down at 40 to 60 degrees."""
+"""Where the food to be picked from the counter stands (world): beside the arm, where a hand reaches at 40 to 60 degrees."""
 COUNTER_ASIDE = (Box((0.46, -0.25, 0.0), (0.08, 0.04, 0.0)), Box((0.46, -0.42, 0.0), (0.08, 0.04, 0.0)))
 """Where the other foods stand (world), out of the way."""
 CABINET_SPOT = Box((-0.06, 0.015, 0.0), (0.03, 0.045, 0.0))
@@ -41,7 +41,7 @@ HAND_START = Box((0.385, 0.0, 0.30), (0.035, 0.05, 0.05))
 
 @dataclass(frozen=True)
 class Place:
-    """Where a food stands: 'counter' or 'cabinet', the point (x, y) [m] in the world or the cabinet's frame, and the yaw [rad]."""
+    """Where a food stands: 'counter' or 'cabinet', the point (x, y) [m] in the world's or the cabinet's frame, and the yaw [rad]."""
 
     on: str
     x: float
