@@ -1,5 +1,6 @@
 """PDDL text: writing (in dialects), reading, names, plans, and comparing an edited domain with the learned one."""
 
+from symskill_pddl.pddl.check import Binding, Comparison, Finding, Severity, compare
 from symskill_pddl.pddl.dialect import DIALECTS, Exported, exported
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names, load_names, load_renames
@@ -8,8 +9,13 @@ from symskill_pddl.pddl.plan import read_plan, write_plan
 
 __all__ = [
     "DIALECTS",
+    "Binding",
+    "Comparison",
     "Exported",
+    "Finding",
     "Names",
+    "Severity",
+    "compare",
     "exported",
     "load_names",
     "load_renames",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 
 from symskill_pddl.errors import InputError, MissingDependencyError, alternatives
-from symskill_pddl.planning.explain import explain, nearest_goal
+from symskill_pddl.planning.explain import explain, nearest_goal, why_not
 from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, Planner, PlanResult, Status, Step
 from symskill_pddl.planning.pyperplan import Pyperplan
 from symskill_pddl.planning.search import Builtin
@@ -25,6 +25,7 @@ __all__ = [
     "get",
     "nearest_goal",
     "planners",
+    "why_not",
 ]
 
 _FAMILIES = "pyperplan[:SEARCH:HEURISTIC], unified-planning:ENGINE"

@@ -127,3 +127,22 @@ def nearest_goal(domain: Domain, problem: Problem, planner: Planner, limits: Lim
         if solved([*kept, atom]):
             kept.append(atom)
     return frozenset(kept)
+
+
+def why_not(domain: Domain, problem: Problem, planner: Planner, limits: Limits = Limits(time_s=1.0)) -> tuple[str, ...]:
+    """The lines of `explain`, and what the nearest reachable goal is; for a goal that a planner found unsolvable."""
+    lines = list(explain(domain, problem, limits))
+    nearest = nearest_goal(domain, problem, planner, limits)
+    left = problem.goal - nearest
+    if not lines and left:
+        lines.append(
+            f"each goal atom could be reached by deletion-free steps, but {_listed(left)} not together with {_listed(nearest)}: "
+            "deletes or negative conditions stand against it"
+        )
+    if nearest:
+        lines.append(f"the nearest goal that can be reached: {_listed(nearest)}")
+    return tuple(lines)
+
+
+def _listed(atoms: Iterable[Atom]) -> str:
+    return " ".join(map(str, sorted(atoms))) or "anything"
