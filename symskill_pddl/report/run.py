@@ -59,6 +59,7 @@ class AttemptView:
     start: float
     end: float
     attempt: int
+    """How often this ground step had failed before."""
     resampled: bool
     verdict: str
     tone: str
@@ -130,10 +131,11 @@ def view_run(trace: Trace) -> RunView:
     state: frozenset[Row] = frozenset()
     end = 0.0
 
-    def close() -> None:
+    def close(now: float) -> None:
         nonlocal open_step, last_tick
         if open_step is not None:
-            attempts.append(_attempt(len(attempts) + 1, len(plans), open_step, last_tick, header.period_s))
+            stop = last_tick.time if last_tick else now
+            attempts.append(_attempt(len(attempts) + 1, len(plans), open_step, last_tick, stop))
         open_step = last_tick = None
 
     for line in trace.lines:
@@ -142,20 +144,22 @@ def view_run(trace: Trace) -> RunView:
             last_tick = line
             state = (state - frozenset(line.removed)) | frozenset(line.added)
         elif isinstance(line, StepLine):
-            close()
+            close(line.time)
             open_step, state = line, frozenset(line.state)
         elif isinstance(line, PlanLine):
-            close()
+            close(line.time)
             state = frozenset(line.state)
             steps = tuple(_atom((name, *args)) for name, args in line.steps)
             plans.append(PlanView(len(plans) + 1, line.time, line.reason, line.status, steps, 1e3 * line.seconds, line.messages))
         elif isinstance(line, RecoveryLine):
-            close()
+            close(line.time)
             text = f"{line.name}: {line.reason}" + (f" ({line.result})" if line.result else "")
             events.append(EventView(line.time, "recovery", text))
         elif isinstance(line, NoteLine):
             events.append(EventView(line.time, "note", line.text))
-    close()
+        else:
+            close(line.time)
+    close(end)
     return RunView(
         task=header.task,
         seed=header.seed,
@@ -177,18 +181,19 @@ def view_run(trace: Trace) -> RunView:
     )
 
 
-def _attempt(number: int, plan: int, line: StepLine, tick: TickLine | None, period_s: float) -> AttemptView:
-    # a step that may not start has its verdict on the line of the step itself
+def _attempt(number: int, plan: int, line: StepLine, tick: TickLine | None, stop: float) -> AttemptView:
+    # a step that may not start has its verdict on the line of the step itself; without a monitor no step has another
     verdict: VerdictLine = tick.verdict if tick is not None else line.verdict
+    ran = tick is not None or verdict.kind == "Continue"
     return AttemptView(
         number=number,
         plan=plan,
         step=_atom((line.step.name, *line.step.args)),
         start=line.time,
-        end=tick.time + period_s if tick is not None else line.time,
+        end=max(line.time, stop) if ran else line.time,
         attempt=line.attempt,
         resampled=line.shift is not None,
-        verdict=_WORDS.get(verdict.kind, "interrupted"),
+        verdict=_WORDS.get(verdict.kind, "interrupted" if tick is not None else "not judged"),
         tone=TONES.get(verdict.kind, "idle"),
         reason=verdict.reason,
         blame=verdict.blame or "",
@@ -205,7 +210,7 @@ def _timing(trace: Trace) -> tuple[TimingView, ...]:
             for name, value in line.ms.items():
                 kinds.setdefault(f"tick: {name}", []).append(value)
             if len(line.ms) > 1:
-                kinds.setdefault("tick: sum", []).append(sum(line.ms.values()))
+                kinds.setdefault("tick: all of these", []).append(sum(line.ms.values()))
     return tuple(
         TimingView(name, len(values), percentile(values, 50), percentile(values, 95), max(values))
         for name, values in kinds.items()

@@ -77,11 +77,11 @@ def _step(name: str, *args: str) -> GroundStep:
     return GroundStep(name=name, args=args, pre=(), add=(), delete=(), maintain=(), absent=(), cost=1.0)
 
 
-def _start(time: float, index: int, step: GroundStep, verdict: VerdictLine, attempt: int = 1) -> StepLine:
+def _start(time: float, index: int, step: GroundStep, verdict: VerdictLine, attempt: int = 0) -> StepLine:
     return StepLine(
         time=time, index=index, step=step, later=(), gripper=(), state=(("gripper-open",),), inherited=(), assumed=(), phases=1,
         exit_s=1, budget_s=10, grace_s=1, stall_s=1, still_speed=0.01, still_turn=0.1, attempt=attempt,
-        shift=(0, 0, 0, 1, 0, 0, 0) if attempt > 1 else None, verdict=verdict,
+        shift=(0, 0, 0, 1, 0, 0, 0) if attempt else None, verdict=verdict,
     )  # fmt: skip
 
 
@@ -125,7 +125,7 @@ def make_trace(text: str = "cheese was pushed by 6 cm", *, outcome: bool = True)
             seconds=0.02,
             messages=("cost of pick-food raised",),
         ),
-        _start(4.05, 0, pick, going, attempt=2),
+        _start(4.05, 0, pick, going, attempt=1),
         *(_tick(4.05 + 0.05 * i, going) for i in range(1, 40)),
         _tick(6.05, VerdictLine(kind="JumpAhead", reason="the next step can start", index=1)),
         _start(6.1, 1, place, going),

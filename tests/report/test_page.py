@@ -59,7 +59,7 @@ def test_the_page_of_a_run_has_every_part(trace, library):
         "(food-in-cabinet cheese cabinet) holds",
         "the grasp was lost",
         "blamed: acquiring step",
-        "attempt 2",
+        "retry 1, goal moved",
         "cheese was pushed by 6 cm",
         "retreat: a lost grasp (clear)",
         "20.0 ms",

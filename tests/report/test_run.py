@@ -17,7 +17,7 @@ def test_a_run_is_told_in_order(trace):
     ]
     lost = run.attempts[1]
     assert (lost.reason, lost.blame, lost.atoms) == ("the grasp was lost", "acquiring step", "(gripper-holds-food cheese)")
-    assert (lost.start, lost.end) == pytest.approx((2.05, 3.15))
+    assert (lost.start, lost.end) == pytest.approx((2.05, 3.1))
     assert [a.resampled for a in run.attempts] == [False, False, True, False]
     assert [(e.kind, e.text) for e in run.events] == [
         ("note", "cheese was pushed by 6 cm"),
@@ -39,7 +39,7 @@ def test_the_goal_is_looked_up_in_the_last_state(trace):
 
 def test_timing_counts_every_tick_and_call(trace):
     timing = {t.name: t for t in view_run(trace).timing}
-    assert list(timing) == ["planning", "tick: abstract", "tick: skill", "tick: sum"]
+    assert list(timing) == ["planning", "tick: abstract", "tick: skill", "tick: all of these"]
     assert timing["planning"].count == 2
     assert timing["planning"].longest == pytest.approx(20)
     assert timing["tick: abstract"].count == len(trace.of("tick"))
@@ -62,6 +62,13 @@ def test_a_step_that_may_not_start_has_its_verdict_and_no_length(new_trace):
     lost = next(x.verdict for x in whole.of("tick") if x.verdict.kind == "Violation")
     run = view_run(Trace(whole.header, (place.model_copy(update={"verdict": lost}),)))
     assert [(a.verdict, a.plan, a.end - a.start) for a in run.attempts] == [("violation", 0, 0.0)]
+
+
+def test_without_a_monitor_a_step_lasts_until_the_next_line(trace):
+    steps = [line for line in trace.lines if line.event in ("plan", "step", "outcome")]
+    run = view_run(Trace(trace.header.model_copy(update={"monitor": False}), tuple(steps)))
+    assert [(a.start, a.end) for a in run.attempts] == [(0, 2.05), (2.05, 4.0), (4.05, 6.1), (6.1, 8.05)]
+    assert {(a.verdict, a.tone) for a in run.attempts} == {("not judged", "idle")}
 
 
 def test_an_empty_trace():
