@@ -69,7 +69,7 @@ def support_text(learned: LearnedOperator) -> str:
     )
 
 
-def operator_lines(learned: LearnedOperator, rename: Rename = frozenset) -> tuple[str, ...]:
+def operator_lines(learned: LearnedOperator) -> tuple[str, ...]:
     """Where an operator comes from and what it keeps true; the strict precondition where it differs from the refined one."""
     lines = [support_text(learned), f"skill {learned.skill}"]
     if learned.operator.maintain:

@@ -32,7 +32,9 @@ def goal_atoms(library: Library, tasks: Sequence[str], objects: Mapping[str, str
     atoms: set[Atom] = set()
     for task in tasks:
         if task not in learned:
-            raise InputError(f"the library has learned no goal for task '{task}', state one with --goal; it has: {alternatives(learned)}")
+            raise InputError(
+                f"the library has learned no goal for task '{task}', state one with --goal; it has: {alternatives(learned)}"
+            )
         atoms |= bind_goal(learned[task], objects, focus, library.types)
     return frozenset(atoms)
 
@@ -52,7 +54,8 @@ def bind_goal(goal: Goal, objects: Mapping[str, str], focus: Sequence[str], type
         chosen = [o for o in focus if o in free][:1] or free
         if len(chosen) != 1:
             what = f"no {parameter.type}" if not chosen else f"several objects of type {parameter.type} ({alternatives(chosen)})"
-            raise InputError(f"goal of task '{goal.task}': the episode has {what} for {parameter.name}; state the goal with --goal")
+            raise InputError(
+                f"goal of task '{goal.task}': the episode has {what} for {parameter.name}; state the goal with --goal"
+            )
         binding[parameter.name] = chosen[0]
     return frozenset(atom.substitute(binding) for atom in goal.atoms)
-

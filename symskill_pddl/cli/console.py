@@ -1,0 +1,96 @@
+"""Where text goes: results to standard output, everything else (progress, errors) to standard error."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+from rich.text import Text
+
+from symskill_pddl.errors import InputError
+
+
+def out() -> Console:
+    """Standard output, looked up at the time of the call; names and numbers are not coloured."""
+    return Console(highlight=False)
+
+
+def say(text: str = "") -> None:
+    """One or more lines of a result, unwrapped and without markup."""
+    sys.stdout.write(text + "\n")
+
+
+def remark(text: str) -> None:
+    """A line about how things are going, beside the result."""
+    sys.stderr.write(text + "\n")
+
+
+def complain(text: str) -> None:
+    """An error, as one line."""
+    sys.stderr.write(f"symskill: error: {' '.join(text.split())}\n")
+
+
+def emit_json(document: Any) -> None:
+    """The one JSON document of a command called with --json."""
+    sys.stdout.write(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """A table on standard output."""
+    grid = Table(
+        title=title or None,
+        title_justify="left",
+        title_style="bold",
+        header_style="",
+        box=None,
+        pad_edge=False,
+        padding=(0, 2, 0, 0),
+    )
+    for column in columns:
+        grid.add_column(column, overflow="fold")
+    for row in rows:
+        # Text, not markup: names may hold brackets
+        grid.add_row(*(Text(str(cell)) for cell in row))
+    out().print(grid)
+
+
+@contextmanager
+def progress(text: str, total: int | None = None) -> Iterator[Advance]:
+    """Show on standard error that something takes its time; call the value to advance by one or to change the text."""
+    error = Console(stderr=True, highlight=False)
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False))
+    counted = (BarColumn(), MofNCompleteColumn()) if total is not None else ()
+    # without a terminal there is nothing to animate: say what begins, once
+    if not error.is_terminal:
+        remark(text)
+        yield Advance(None, 0)
+        return
+    with Progress(*columns, *counted, TimeElapsedColumn(), console=error, transient=True) as bar:
+        yield Advance(bar, int(bar.add_task(text, total=total)))
+
+
+class Advance:
+    """Handle on a line of progress."""
+
+    def __init__(self, bar: Progress | None, task: int) -> None:
+        self._bar, self._task = bar, task
+
+    def __call__(self, steps: int = 1, text: str | None = None) -> None:
+        if self._bar is not None:
+            from rich.progress import TaskID
+
+            task = TaskID(self._task)
+            self._bar.advance(task, steps)
+            if text is not None:
+                self._bar.update(task, description=text)
+
+
+def not_yet(what: str) -> InputError:
+    """The error for an option of a later version: said, never silently ignored."""
+    return InputError(f"{what} is not available in this version")

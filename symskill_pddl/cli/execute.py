@@ -1,0 +1,186 @@
+"""Commands that move the robot or tell of it: run, evaluate, report."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from symskill_pddl.cli import work
+from symskill_pddl.cli.console import emit_json, not_yet, progress, remark, say, table
+from symskill_pddl.cli.options import (
+    DisturbOption,
+    GoalOption,
+    JsonFlag,
+    LibraryArgument,
+    NoMonitorFlag,
+    PlannerOption,
+    SeedOption,
+    TaskOption,
+    require_folder,
+)
+
+if TYPE_CHECKING:
+    from symskill_pddl.evaluation.results import EpisodeResult, Results
+    from symskill_pddl.evaluation.trial import Episode
+    from symskill_pddl.execution.outcome import Outcome
+    from symskill_pddl.library import Library
+    from symskill_pddl.planning import Planner
+
+
+def run(
+    library: LibraryArgument,
+    task: TaskOption,
+    seed: SeedOption = 0,
+    planner: PlannerOption = None,
+    goal: GoalOption = None,
+    no_monitor: NoMonitorFlag = False,
+    disturb: DisturbOption = None,
+    trace: Annotated[Path | None, typer.Option("--trace", help="Write every decision to this file (JSON lines).")] = None,
+    video: Annotated[Path | None, typer.Option("--video", help="Not in this version.")] = None,
+    json: JsonFlag = False,
+) -> None:
+    """Plan and carry out a task in the kitchen. Exit status 1 if the goal is missed."""
+    from symskill_pddl.evaluation.trial import prepare
+    from symskill_pddl.planning import get
+
+    if video is not None:
+        raise not_yet("--video")
+    if trace is not None:
+        require_folder(trace)
+    learned, engine = work.open_library(library), get(planner or "auto")
+    with progress(f"setting up {task}, seed {seed}"):
+        episode = prepare(learned, task, seed, goal=goal, disturbances=disturb or ())
+    checksum = work.checksum(library)
+    result, outcome = run_shown(learned, episode, seed, engine, monitor=not no_monitor, trace=trace, checksum=checksum)
+    if json:
+        emit_json(outcome_json(episode, result, outcome))
+    else:
+        tell(result, outcome)
+    if not result.success:
+        raise typer.Exit(1)
+
+
+def run_shown(
+    library: Library, episode: Episode, seed: int, planner: Planner, *, monitor: bool, trace: Path | None, checksum: str
+) -> tuple[EpisodeResult, Outcome]:
+    """Run an episode with its steps shown as they begin; the trace takes its place when the run is over."""
+    from symskill_pddl.evaluation.trial import run_episode
+    from symskill_pddl.execution.trace import TraceWriter
+
+    with ExitStack() as stack:
+        advance = stack.enter_context(progress(f"running {episode.kitchen.task}, seed {seed}"))
+
+        def shown(line: Any) -> None:
+            if line.event == "step":
+                advance(text=f"{episode.kitchen.task} at {line.time:.0f} s: {' '.join((line.step.name, *line.step.args))}")
+
+        # a crash leaves what was written beside the old trace, which stays as it was
+        partial = trace.with_name(f"{trace.name}.partial") if trace is not None else None
+        writer = stack.enter_context(TraceWriter(partial)) if partial is not None else None
+        found = run_episode(
+            library,
+            episode,
+            seed,
+            planner,
+            monitor=monitor,
+            trace=writer,
+            library_checksum=checksum,
+            on_event=shown,
+        )
+    if trace is not None and partial is not None:
+        partial.replace(trace)
+    return found
+
+
+def outcome_json(episode: Episode, result: EpisodeResult, outcome: Outcome) -> dict[str, Any]:
+    """A run for programs."""
+    return {
+        "task": episode.kitchen.task,
+        "goal": [str(a) for a in sorted(episode.problem.goal)],
+        **result.model_dump(exclude={"steps", "recoveries"}),
+        "recoveries": list(outcome.recoveries),
+        "steps": [
+            {
+                "step": s.step,
+                "start_s": round(s.start_s, 3),
+                "stop_s": round(s.stop_s, 3),
+                "verdict": s.verdict,
+                "reason": s.reason,
+            }
+            for s in outcome.steps
+        ],
+        "plan_ms": [round(1000 * t, 3) for t in outcome.plan_seconds],
+        "tick_ms": outcome.tick_ms,
+    }
+
+
+def tell(result: EpisodeResult, outcome: Outcome) -> None:
+    """A run for people."""
+    rows = [(f"{s.start_s:.1f}", f"{s.stop_s:.1f}", s.step, s.verdict, s.reason) for s in outcome.steps]
+    table("", ("from [s]", "to [s]", "step", "verdict", "because"), rows)
+    recovered = f", recoveries: {', '.join(outcome.recoveries)}" if outcome.recoveries else ""
+    say(f"{result.category}: {result.reason} ({result.time_s:.1f} s, {result.replans} new plans{recovered})")
+
+
+def evaluate(
+    library: LibraryArgument,
+    tasks: Annotated[str, typer.Option("--tasks", help="all, or names separated by commas.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="The results file to write.")],
+    trials: Annotated[int, typer.Option("--trials", help="Episodes per task.")] = 20,
+    seed: Annotated[int, typer.Option("--seed", help="Seed of the first episode.")] = 1000,
+    planner: PlannerOption = None,
+    no_monitor: NoMonitorFlag = False,
+    disturb: DisturbOption = None,
+    jobs: Annotated[int, typer.Option("--jobs", help="Processes.")] = 1,
+    ray: Annotated[bool, typer.Option("--ray", help="Not in this version.")] = False,
+    json: JsonFlag = False,
+) -> None:
+    """Run many seeded episodes and count; the results do not depend on --jobs."""
+    from symskill_pddl.evaluation.results import save_results
+    from symskill_pddl.evaluation.suite import Suite, run_suite, tasks_named
+
+    if ray:
+        raise not_yet("--ray")
+    suite = Suite(tasks_named(tasks), trials, seed, planner or "auto", not no_monitor, tuple(disturb or ()))
+    require_folder(output)
+    work.open_library(library)
+    count = len(suite.episodes)
+    with progress(f"{count} episodes", total=count) as advance:
+
+        def done(task: str, episode: EpisodeResult) -> None:
+            advance()
+            remark(f"{task} {episode.seed}: {episode.category} ({episode.time_s:.0f} s)")
+
+        results = run_suite(work.open_library, library, suite, checksum=work.checksum(library), jobs=jobs, on_episode=done)
+    save_results(output, results)
+    if json:
+        emit_json(results.model_dump(mode="json"))
+    else:
+        show_results(results)
+
+
+def show_results(results: Results) -> None:
+    """A results file as a table."""
+    rows = []
+    for task in results.tasks:
+        low, high = task.interval
+        failures = ", ".join(f"{n} {name}" for name, n in task.failures.items()) or "-"
+        typical = "-" if task.median_time_s is None else f"{task.median_time_s:.1f}"
+        rows.append(
+            (task.task, f"{task.successes}/{task.trials}", f"{low:.2f}-{high:.2f}", typical, f"{task.mean_replans:.1f}", failures)
+        )
+    table("", ("task", "successes", "95 % interval", "median [s]", "new plans", "failures"), rows)
+
+
+def report(
+    source: Annotated[
+        Path, typer.Argument(metavar="TRACE|RESULTS", help="trace.jsonl of a run, or results.json of an evaluation.")
+    ],
+    output: Annotated[Path, typer.Option("-o", "--output", help="The HTML page to write.")],
+) -> None:
+    """Make a page from a trace or from results."""
+    work.write_report(source, output)
+    remark(f"{output}: written")

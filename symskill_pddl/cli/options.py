@@ -1,0 +1,77 @@
+"""Arguments and options that several commands share, and how their texts are read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from symskill_pddl.errors import InputError
+
+LibraryArgument = Annotated[Path, typer.Argument(metavar="LIBRARY", help="Folder of a learned library.")]
+JsonFlag = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
+TaskOption = Annotated[str, typer.Option("--task", help="A task of the kitchen.")]
+SeedOption = Annotated[int, typer.Option("--seed", help="Seed of the episode.")]
+GoalOption = Annotated[
+    str | None, typer.Option("--goal", metavar="ATOMS", help='Instead of the learned goal: "(atom object ...) ...".')
+]
+PlannerOption = Annotated[str | None, typer.Option("--planner", help="One that `symskill planners` lists.")]
+DialectOption = Annotated[str, typer.Option("--dialect", help="strips, negative, costs or temporal.")]
+NamesOption = Annotated[Path | None, typer.Option("--names", help='A JSON file {"renames": {"name": "wished-name"}}.')]
+DisturbOption = Annotated[
+    list[str] | None, typer.Option("--disturb", metavar="SPEC", help="For example close-door@op=2; may be repeated.")
+]
+NoMonitorFlag = Annotated[bool, typer.Option("--no-monitor", help="Carry out the first plan blindly.")]
+
+
+def pairs(texts: Iterable[str], option: str, form: str) -> dict[str, str]:
+    """``["a=b"]`` as a mapping."""
+    found: dict[str, str] = {}
+    for text in texts:
+        key, equals, value = text.partition("=")
+        if not (key and equals and value):
+            raise InputError(f"{option} '{text}': expected {form}")
+        if key in found:
+            raise InputError(f"{option}: '{key}' is given twice")
+        found[key] = value
+    return found
+
+
+def read_text(path: Path, what: str) -> str:
+    """The text of a file a user named."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(f"there is no {what} '{path}'") from None
+    except IsADirectoryError:
+        raise InputError(f"'{path}' is a folder, a {what} is needed") from None
+    except UnicodeDecodeError:
+        raise InputError(f"'{path}' is not UTF-8 text, a {what} is needed") from None
+    except OSError as error:
+        raise InputError(f"cannot read the {what} '{path}': {error.strerror or error}") from None
+
+
+def make_folder(path: Path) -> Path:
+    """The folder, made if it is not there."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot make the folder '{path}': {error.strerror or error}") from None
+    return path
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write atomically."""
+    from symskill_pddl.files import write_atomic
+
+    write_atomic(path, text.encode("utf-8"))
+
+
+def require_folder(path: Path) -> None:
+    """Find out before the work, not after it, that its result could not be written."""
+    if path.is_dir():
+        raise InputError(f"cannot write '{path}': it is a folder, a file name is needed")
+    if not path.parent.is_dir():
+        raise InputError(f"cannot write '{path}': there is no folder '{path.parent}'")

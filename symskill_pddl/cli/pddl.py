@@ -1,0 +1,141 @@
+"""Commands about PDDL files: export, problem, planners, plan, check."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from symskill_pddl.cli import work
+from symskill_pddl.cli.console import emit_json, progress, remark, say, table
+from symskill_pddl.cli.options import (
+    DialectOption,
+    GoalOption,
+    JsonFlag,
+    LibraryArgument,
+    NamesOption,
+    PlannerOption,
+    SeedOption,
+    TaskOption,
+    write_text,
+)
+from symskill_pddl.errors import NoPlanError
+
+if TYPE_CHECKING:
+    from symskill_pddl.symbols import Domain, Problem
+
+NameOption = Annotated[str, typer.Option("--name", help="The domain's name.")]
+
+
+def export(
+    library: LibraryArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for domain.pddl and names.json.")],
+    dialect: DialectOption = "strips",
+    name: NameOption = "learned",
+    names: NamesOption = None,
+) -> None:
+    """Write a library's domain as PDDL."""
+    domain, _ = work.export_domain(work.open_library(library), output, name, dialect, work.renames(names))
+    remark(f"{output / 'domain.pddl'}: {len(domain.predicates)} predicates, {len(domain.operators)} actions ({dialect})")
+
+
+def problem(
+    library: LibraryArgument,
+    task: TaskOption,
+    output: Annotated[Path, typer.Option("-o", "--output", help="The problem file to write.")],
+    seed: SeedOption = 0,
+    goal: GoalOption = None,
+    dialect: DialectOption = "strips",
+    name: NameOption = "learned",
+    names: NamesOption = None,
+) -> None:
+    """Write an episode of a task as a PDDL problem: objects and atoms of its first scene, and its goal."""
+    from symskill_pddl.evaluation.trial import prepare
+
+    learned = work.open_library(library)
+    with progress(f"setting up {task}, seed {seed}"):
+        episode = prepare(learned, task, seed, goal=goal, domain_name=name)
+    header = (f"task {task}, seed {seed}",)
+    work.export_problem(episode.problem, episode.domain, output, dialect, work.renames(names), header)
+    remark(f"{output}: {len(episode.problem.objects)} objects, goal {' '.join(str(a) for a in sorted(episode.problem.goal))}")
+
+
+def planners(json: JsonFlag = False) -> None:
+    """List the planners that are installed, and what each accepts."""
+    from symskill_pddl.planning import planners as installed
+
+    with progress("asking for installed planners"):
+        found = installed(unified=True)
+    if json:
+        emit_json([{"name": p.name, "version": p.version, "licence": p.licence, "dialects": list(p.dialects)} for p in found])
+        return
+    table("", ("planner", "version", "licence", "reads"), [(p.name, p.version, p.licence, ", ".join(p.dialects)) for p in found])
+
+
+def plan(
+    domain: Annotated[Path, typer.Argument(metavar="DOMAIN", help="A PDDL domain.")],
+    problem: Annotated[Path, typer.Argument(metavar="PROBLEM", help="A PDDL problem of it.")],
+    planner: PlannerOption = None,
+    timeout: Annotated[float, typer.Option(help="Time limit [s].")] = 10.0,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="The plan file; without it the plan is printed.")] = None,
+    json: JsonFlag = False,
+) -> None:
+    """Solve a problem. Exit status 1, and an explanation, if there is no plan."""
+    from symskill_pddl.pddl import write_plan
+    from symskill_pddl.planning import Limits, get
+
+    read = work.read_domain_file(domain)
+    posed = work.read_problem_file(problem, read)
+    engine = get(planner or "auto")
+    with progress(f"planning with {engine.name}"):
+        result = engine.solve(read, posed, Limits(time_s=timeout))
+    why = () if result.plan is not None else why_not(read, posed)
+    if json:
+        emit_json(
+            {
+                "status": result.status.value,
+                "planner": result.planner,
+                "seconds": round(result.seconds, 4),
+                "steps": None if result.plan is None else [[name, *args] for name, args in result.plan.steps],
+                "cost": None if result.plan is None else result.plan.cost,
+                "messages": list(result.messages),
+                "why_not": list(why),
+            }
+        )
+        if result.plan is None:
+            raise typer.Exit(1)
+    if result.plan is None:
+        for line in (*result.messages, *why):
+            remark(line)
+        raise NoPlanError(f"'{problem}' has no plan: {result.status.value} (planner {result.planner})")
+    text = write_plan(result.plan)
+    if output is not None:
+        write_text(output, text)
+    elif not json:
+        say(text.rstrip("\n"))
+    count = len(result.plan)
+    remark(f"{count} step{'' if count == 1 else 's'} in {result.seconds:.3f} s (planner {result.planner})")
+
+
+def why_not(domain: Domain, problem: Problem) -> tuple[str, ...]:
+    """Which atoms of the goal are in the way, and how much of it can be had."""
+    from symskill_pddl.planning import explain, get, nearest_goal
+
+    lines = list(explain(domain, problem))
+    near = nearest_goal(domain, problem, get("auto"))
+    if near:
+        lines.append(f"can be reached together: {' '.join(str(a) for a in sorted(near))}")
+    return tuple(lines)
+
+
+def check(
+    library: LibraryArgument,
+    domain: Annotated[Path, typer.Argument(metavar="DOMAIN", help="A PDDL domain, perhaps edited.")],
+    problem: Annotated[Path | None, typer.Argument(metavar="[PROBLEM", help="A problem of it.")] = None,
+    plan: Annotated[Path | None, typer.Argument(metavar="[PLAN]]", help="A plan of that.")] = None,
+    names: Annotated[Path | None, typer.Option("--names-file", help="The domain's names.json; else the one beside it.")] = None,
+    json: JsonFlag = False,
+) -> None:
+    """Compare a domain with the library, and validate a problem and a plan. Exit status 1 if something does not fit."""
+    raise NotImplementedError(str((library, domain, problem, plan, names, json)))

@@ -1,0 +1,87 @@
+"""`symskill quickstart`: from the shipped demonstrations to a robot that finishes a task although somebody shuts the door."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from symskill_pddl.cli import work
+from symskill_pddl.cli.console import progress, remark, say, table
+from symskill_pddl.cli.options import SeedOption, make_folder, write_text
+
+if TYPE_CHECKING:
+    from symskill_pddl.evaluation.results import EpisodeResult
+    from symskill_pddl.execution.outcome import Outcome
+
+DISTURBANCE = "close-door@op=2"
+"""Shut the cabinet when the third step starts: the robot is about to reach into it."""
+
+
+def quickstart(
+    output: Annotated[Path, typer.Option("-o", "--output", help="Folder for everything that is made.")] = Path("symskill-out"),
+    task: Annotated[str, typer.Option("--task", help="A task of the kitchen.")] = "StoreCheese",
+    seed: SeedOption = 0,
+    disturb: Annotated[
+        list[str] | None, typer.Option("--disturb", metavar="SPEC", help="What is to go wrong; may be repeated.")
+    ] = None,
+) -> None:
+    """Learn, export, plan, run with one disturbance, and write a report."""
+    from symskill_pddl.cli.execute import run_shown
+    from symskill_pddl.cli.views import operator_table
+    from symskill_pddl.evaluation.trial import prepare
+    from symskill_pddl.pddl import write_plan
+    from symskill_pddl.planning import get
+
+    begin = monotonic()
+    disturbances = disturb or [DISTURBANCE]
+    files = work.shipped_demos()
+    make_folder(output)
+    learning = monotonic()
+    library = work.learn_from(files, output / "library")
+    learning = monotonic() - learning
+
+    domain, _ = work.export_domain(library, output, "kitchen", "strips", {})
+    with progress(f"setting up {task}, seed {seed}"):
+        episode = prepare(library, task, seed, disturbances=disturbances, domain_name="kitchen")
+    header = (f"task {task}, seed {seed}",)
+    work.export_problem(episode.problem, episode.domain, output / "problem.pddl", "strips", {}, header)
+
+    # the plan comes from the files, as any other planner's would
+    engine = get("auto")
+    exported = work.read_domain_file(output / "domain.pddl")
+    result = engine.solve(exported, work.read_problem_file(output / "problem.pddl", exported))
+    plan = result.unwrap()
+    write_text(output / "plan.txt", write_plan(plan))
+
+    checksum = work.checksum(output / "library")
+    trace, page = output / "trace.jsonl", output / "report.html"
+    found, outcome = run_shown(library, episode, seed, engine, monitor=True, trace=trace, checksum=checksum)
+    work.write_report(trace, page, library)
+
+    table(*operator_table(library))
+    say()
+    say(f"Learned from {len(files)} files of demonstrations in {learning:.1f} s: {output / 'library'}")
+    say(f"PDDL: {output / 'domain.pddl'} ({len(domain.operators)} actions), {output / 'problem.pddl'}")
+    say(f"Plan: {output / 'plan.txt'}, {len(plan)} steps in {1000 * result.seconds:.0f} ms by {result.planner}")
+    for name, args in plan.steps:
+        say(f"    ({' '.join((name, *args))})")
+    say()
+    say(f"{task}, seed {seed}, with {' and '.join(disturbances)}:")
+    tell_story(found, outcome)
+    say(f"Every decision: {trace}   To read: {page}")
+    remark(f"{monotonic() - begin:.0f} s in all")
+    if not found.success:
+        raise typer.Exit(1)
+
+
+def tell_story(result: EpisodeResult, outcome: Outcome) -> None:
+    """What was done, what went wrong, and how it ended."""
+    for number, step in enumerate(outcome.steps, start=1):
+        ended = "done" if step.verdict == "EffectsHold" else f"left: {step.reason}"
+        say(f"    {number:2d}. {step.start_s:5.1f} s  {step.step}  {ended}")
+    ending = "Success" if result.success else f"Failure ({result.category}): {result.reason}"
+    again = f" after {result.replans} new plan{'' if result.replans == 1 else 's'}" if result.replans else ""
+    say(f"{ending}{again}, {result.time_s:.0f} s on the robot's clock")

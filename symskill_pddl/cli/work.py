@@ -1,0 +1,172 @@
+"""Steps that several commands take: loading what a user named, and saying how long it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from symskill_pddl.cli.console import progress
+from symskill_pddl.cli.options import make_folder, read_text, write_text
+from symskill_pddl.errors import InputError
+
+if TYPE_CHECKING:
+    from symskill_pddl.library import Library
+    from symskill_pddl.pddl import Names
+    from symskill_pddl.symbols import Domain, Plan, Problem
+
+
+def open_library(path: Path) -> Library:
+    """The library of a folder."""
+    from symskill_pddl.library import load_library
+
+    return load_library(path)
+
+
+def learn_from(files: Sequence[Path], output: Path) -> Library:
+    """Learn from files of demonstrations, and save the library when all went well."""
+    from symskill_pddl.demos import Demo, load_demos
+    from symskill_pddl.learning import learn
+    from symskill_pddl.library import save_library
+
+    if len({f.stem for f in files}) != len(files):
+        raise InputError(f"two files have one name, demonstrations could not be told apart: {', '.join(map(str, files))}")
+    demos: list[Demo] = []
+    for file in files:
+        demos += load_demos(file)
+    with progress(f"learning from {len(demos)} demonstrations in {len(files)} files"):
+        library = learn(demos)
+    save_library(library, output)
+    return library
+
+
+def shipped_demos() -> tuple[Path, ...]:
+    """The demonstrations of the kitchen that come with the package."""
+    import symskill_pddl
+
+    folder = Path(symskill_pddl.__file__).parent / "data" / "kitchen"
+    files = tuple(sorted(folder.glob("*.hdf5")))
+    if not files:
+        raise InputError(f"the package has no demonstrations in '{folder}'; record some with: symskill record TASK -o FILE")
+    return files
+
+
+def renames(path: Path | None) -> dict[str, str]:
+    """The ``--names`` file."""
+    from symskill_pddl.pddl import load_renames
+
+    return load_renames(path) if path is not None else {}
+
+
+def export_domain(library: Library, folder: Path, name: str, dialect: str, renamed: dict[str, str]) -> tuple[Domain, Names]:
+    """Write domain.pddl and names.json; what was written."""
+    from symskill_pddl.describe import domain_comments
+    from symskill_pddl.pddl import Names, write_domain
+
+    domain = library.domain(name)
+    names = Names.of(domain, renames=renamed)
+    ids = {**names.types, **names.predicates, **names.operators}
+    text = write_domain(
+        names.domain(domain),
+        dialect=dialect,
+        comments={ids.get(key, key): value for key, value in domain_comments(library).items()},
+        header=(
+            "Learned from demonstrations by symskill. What a predicate means geometrically stands above it.",
+            "This file may be edited by hand; `symskill check` says what an edit means.",
+        ),
+    )
+    make_folder(folder)
+    write_text(folder / "domain.pddl", text)
+    write_text(folder / "names.json", names.dumps())
+    return names.domain(domain), names
+
+
+def export_problem(
+    problem: Problem, domain: Domain, output: Path, dialect: str, renamed: dict[str, str], header: Sequence[str]
+) -> None:
+    """Write a problem of a library's domain, and its names beside it."""
+    from symskill_pddl.pddl import Names, write_problem
+
+    names = Names.of(domain, problem.object_types, renames=renamed)
+    text = write_problem(names.problem(problem), names.domain(domain), dialect=dialect, header=header)
+    write_text(output, text)
+    write_text(output.with_suffix(".names.json"), names.dumps())
+
+
+def read_domain_file(path: Path) -> Domain:
+    """A PDDL domain."""
+    from symskill_pddl.pddl import read_domain
+
+    return read_domain(read_text(path, "domain"), str(path))
+
+
+def read_problem_file(path: Path, domain: Domain) -> Problem:
+    """A PDDL problem of a domain."""
+    from symskill_pddl.pddl import read_problem
+
+    return read_problem(read_text(path, "problem"), domain, str(path))
+
+
+def read_plan_file(path: Path, domain: Domain, problem: Problem) -> Plan:
+    """A plan of a problem."""
+    from symskill_pddl.pddl import read_plan
+
+    return read_plan(read_text(path, "plan"), domain, problem.object_types, str(path))
+
+
+def checksum(folder: Path) -> str:
+    """Tells one library from another: of library.json, which holds the checksums of all other files."""
+    from hashlib import sha256
+
+    return sha256((folder / "library.json").read_bytes()).hexdigest()
+
+
+def write_report(source: Path, output: Path, library: Library | None = None) -> None:
+    """A page from a trace or from a results file, whichever `source` is."""
+    from symskill_pddl.report import results_page, run_page, write_page
+
+    if is_results(source):
+        from symskill_pddl.evaluation.results import load_results
+        from symskill_pddl.report.results import ResultRow
+
+        results = load_results(source)
+        rows = [
+            ResultRow(
+                task=task.task,
+                trials=task.trials,
+                successes=task.successes,
+                interval=task.interval,
+                failures=task.failures,
+                times={
+                    "median time [s]": "-" if task.median_time_s is None else f"{task.median_time_s:.1f}",
+                    "new plans per run": f"{task.mean_replans:.1f}",
+                },
+            )
+            for task in results.tasks
+        ]
+        settings = results.settings
+        facts = (
+            ("seeds", f"{settings.seed} to {settings.seed + settings.trials - 1}"),
+            ("planner", settings.planner),
+            ("monitor", "on" if settings.monitor else "off"),
+            ("disturbances", ", ".join(settings.disturbances) or "none"),
+            ("intervals", f"Wilson, {100 * results.confidence:.0f} %"),
+            ("library", settings.library),
+        )
+        page = results_page(rows, facts=facts)
+    else:
+        from symskill_pddl.execution.trace import read_trace
+
+        page = run_page(read_trace(source), library)
+    write_page(output, page)
+
+
+def is_results(path: Path) -> bool:
+    """Whether a file is one JSON object that calls itself results; everything else is taken for a trace."""
+    from json import JSONDecodeError, loads
+
+    try:
+        document = loads(read_text(path, "trace or results file"))
+    except JSONDecodeError:
+        return False
+    return isinstance(document, dict) and "event" not in document

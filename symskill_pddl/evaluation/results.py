@@ -1,0 +1,126 @@
+"""`results.json`: what a suite of episodes came to."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from symskill_pddl.errors import FormatError, InputError
+from symskill_pddl.evaluation.statistics import median, wilson
+from symskill_pddl.files import write_atomic
+
+CONFIDENCE = 0.95
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class EpisodeResult(_Part):
+    """One episode. Times are the world's [s]."""
+
+    seed: int
+    success: bool
+    category: str
+    reason: str
+    replans: int
+    recoveries: int
+    steps: int
+    time_s: float
+
+
+class TaskResult(_Part):
+    """All episodes of one task."""
+
+    task: str
+    trials: int
+    successes: int
+    interval: tuple[float, float]
+    """Wilson interval of the success rate, at the suite's confidence."""
+    failures: dict[str, int]
+    """How many episodes failed, per category."""
+    median_time_s: float | None
+    """Of the successful episodes."""
+    max_time_s: float | None
+    mean_replans: float
+    episodes: tuple[EpisodeResult, ...]
+
+
+class Settings(_Part):
+    """What the suite was asked to do."""
+
+    library: str
+    """Checksum of the library."""
+    planner: str
+    monitor: bool
+    disturbances: tuple[str, ...]
+    seed: int
+    trials: int
+
+
+class Results(_Part):
+    """The whole file."""
+
+    format: Literal["symskill-results"] = "symskill-results"
+    schema_version: Literal[1] = 1
+    settings: Settings
+    confidence: float = CONFIDENCE
+    tasks: tuple[TaskResult, ...]
+
+    def dumps(self) -> str:
+        """The file's text; the same results give the same bytes."""
+        return self.model_dump_json(indent=2) + "\n"
+
+
+def summarise(task: str, episodes: Iterable[EpisodeResult]) -> TaskResult:
+    """The episodes of a task, in order of their seeds, with their counts."""
+    ordered = tuple(sorted(episodes, key=lambda e: e.seed))
+    if not ordered:
+        raise InputError(f"task '{task}': no episode to summarise")
+    good = [e.time_s for e in ordered if e.success]
+    failures = Counter(e.category for e in ordered if not e.success)
+    low, high = wilson(len(good), len(ordered), confidence=CONFIDENCE)
+    return TaskResult(
+        task=task,
+        trials=len(ordered),
+        successes=len(good),
+        interval=(round(low, 4), round(high, 4)),
+        failures={name: failures[name] for name in sorted(failures)},
+        median_time_s=median(good),
+        max_time_s=max(good, default=None),
+        mean_replans=round(sum(e.replans for e in ordered) / len(ordered), 3),
+        episodes=ordered,
+    )
+
+
+def save_results(path: str | Path, results: Results) -> None:
+    """Write atomically."""
+    write_atomic(path, results.dumps().encode("utf-8"))
+
+
+def load_results(path: str | Path) -> Results:
+    """Read a results file.
+
+    Raises
+    ------
+    InputError
+        It does not exist or cannot be read.
+    FormatError
+        It is not JSON, of another format or version, or a field is missing or wrong; names the field.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(f"there is no results file '{path}'") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"cannot read the results file '{path}': {error}") from None
+    try:
+        return Results.model_validate_json(text)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(map(str, first["loc"])) or "file"
+        raise FormatError(f"'{path}' is not a results file: {where}: {first['msg']}") from None

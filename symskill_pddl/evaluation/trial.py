@@ -1,0 +1,174 @@
+"""One episode: from its task and seed to a problem, and from the problem to an outcome."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from symskill_pddl.abstraction import abstract
+from symskill_pddl.errors import InputError
+from symskill_pddl.evaluation.goals import goal_atoms
+from symskill_pddl.evaluation.results import EpisodeResult
+from symskill_pddl.execution.config import ExecutionConfig
+from symskill_pddl.execution.executor import execute
+from symskill_pddl.execution.outcome import Category, Outcome
+from symskill_pddl.execution.trace import Header, NoteLine, TraceWriter
+from symskill_pddl.kitchen import make, task_named
+from symskill_pddl.kitchen.world import Kitchen
+from symskill_pddl.library import Library
+from symskill_pddl.pddl import Names, read_atoms
+from symskill_pddl.planning import Planner
+from symskill_pddl.symbols import Domain, Problem, State
+
+JUDGE = "judge disagrees"
+"""Category of a run whose goal atoms hold and whose judge, who sees the simulator's own state, saw no success."""
+
+
+@dataclass(frozen=True, eq=False)
+class Episode:
+    """An episode of the kitchen, as a problem.
+
+    Attributes
+    ----------
+    kitchen : Kitchen
+    domain : Domain
+        The library's, under the library's own names.
+    problem : Problem
+        Objects of the types that the library knows, the atoms of the first scene, and the goal.
+    judged : bool
+        Whether the task's judge can say if this goal was reached; not so for a goal that the caller stated.
+    """
+
+    kitchen: Kitchen
+    domain: Domain
+    problem: Problem
+    judged: bool
+
+
+def prepare(
+    library: Library,
+    task: str,
+    seed: int,
+    *,
+    goal: str | None = None,
+    disturbances: Sequence[str] = (),
+    domain_name: str = "learned",
+) -> Episode:
+    """Draw an episode and read its first scene.
+
+    Parameters
+    ----------
+    goal : str, optional
+        ``(atom object ...) ...`` instead of the learned goal of the task; names as in the library or as exported.
+
+    Raises
+    ------
+    InputError
+        Unknown task or disturbance, no learned goal, or a goal that does not fit the library or the scene.
+    """
+    spec = task_named(task)
+    kitchen = make(task, seed, disturbances)
+    scene = kitchen.observe()
+    domain = library.domain(domain_name)
+    known = {t.name for t in library.types}
+    objects = {name: kind for name, kind in scene.objects.items() if kind in known}
+    init = frozenset(
+        atom for atom in abstract(scene, library.classifiers, gripper=library.gripper) if all(a in objects for a in atom.args)
+    )
+    if goal is None:
+        atoms = goal_atoms(library, spec.goal_of or (task,), objects, kitchen.focus)
+    else:
+        atoms = stated_goal(goal, domain, objects)
+    problem = Problem(f"{task}-{seed}".lower(), domain.name, tuple(objects.items()), init, atoms)
+    return Episode(kitchen, domain, problem, goal is None)
+
+
+def stated_goal(text: str, domain: Domain, objects: dict[str, str]) -> State:
+    """Goal atoms from text, by exported names or by the library's own.
+
+    Raises
+    ------
+    InputError
+        No atom, an unknown predicate or object, wrong number or types of arguments.
+    """
+    names = Names.of(domain, objects)
+    exported = names.domain(domain)
+    types = {names.objects[name]: names.types.get(kind, kind) for name, kind in objects.items()}
+    # an object may also be called what it is called in the scene, unless that is another thing's exported name
+    types |= {name: names.types.get(kind, kind) for name, kind in objects.items() if name not in types}
+    atoms = read_atoms(text, exported, types, "--goal")
+    if not atoms:
+        raise InputError("--goal: no atom; expected something like '(predicate object ...)'")
+    return names.inverse().atoms(atoms)
+
+
+def run_episode(
+    library: Library,
+    episode: Episode,
+    seed: int,
+    planner: Planner,
+    *,
+    domain: Domain | None = None,
+    monitor: bool = True,
+    config: ExecutionConfig | None = None,
+    trace: TraceWriter | None = None,
+    library_checksum: str = "",
+    on_event: Callable[[Any], None] | None = None,
+) -> tuple[EpisodeResult, Outcome]:
+    """Execute an episode. It is a success if its judge says so, or, where the goal was stated, if the goal atoms hold."""
+    kitchen, problem = episode.kitchen, episode.problem
+    told: set[str] = set()
+
+    def heard(line: Any) -> None:
+        if on_event is not None:
+            on_event(line)
+        for disturbance in kitchen.disturbances:
+            if disturbance.began is not None and disturbance.spec not in told:
+                told.add(disturbance.spec)
+                note = NoteLine(time=disturbance.began, text=f"disturbance {disturbance.spec}")
+                if trace is not None:
+                    trace.write(note)
+                heard(note)
+
+    outcome = execute(
+        kitchen,
+        library,
+        domain or episode.domain,
+        problem.goal,
+        planner,
+        config,
+        objects=problem.object_types,
+        rng=np.random.default_rng([seed, 2]),
+        trace=trace,
+        header=Header(
+            task=kitchen.task,
+            seed=seed,
+            library=library_checksum,
+            planner=planner.name,
+        ),
+        on_event=heard,
+        on_step=lambda index, _step: kitchen.notify_step(index),
+        monitor=monitor,
+    )
+    success = kitchen.succeeded() if episode.judged else outcome.success
+    category, reason = str(outcome.category), outcome.reason
+    if outcome.success and not success:
+        category, reason = JUDGE, "the goal atoms hold, the judge sees no success"
+    elif success:
+        category = str(Category.SUCCESS)
+    return (
+        EpisodeResult(
+            seed=seed,
+            success=success,
+            category=category,
+            reason=reason,
+            replans=outcome.replans,
+            recoveries=len(outcome.recoveries),
+            steps=len(outcome.steps),
+            time_s=round(outcome.time_s, 3),
+        ),
+        outcome,
+    )

@@ -1,0 +1,83 @@
+"""The room table is checked, and the check covers every room."""
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PACKAGE = ROOT / "symskill_pddl"
+HEAVY = ("numpy", "scipy", "sklearn", "cvxpy", "h5py", "numba", "mujoco", "robosuite", "unified_planning")
+SIMULATORS = ("mujoco", "robosuite")
+
+
+def contracts() -> list[dict[str, object]]:
+    return list(tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"])
+
+
+def rooms() -> set[str]:
+    files = {p.stem for p in PACKAGE.glob("*.py")} - {"__init__"}
+    return files | {p.parent.name for p in PACKAGE.glob("*/__init__.py")}
+
+
+def test_every_room_has_a_contract_and_every_contract_a_room() -> None:
+    sources = {str(m).split(".")[1] for c in contracts() for m in c["source_modules"]}  # type: ignore[attr-defined]
+    assert sources == rooms()
+
+
+def test_every_room_is_forbidden_to_some_other() -> None:
+    forbidden = {str(m).split(".")[1] for c in contracts() for m in c["forbidden_modules"] if str(m).startswith("symskill_pddl.")}  # type: ignore[attr-defined]
+    # errors and files are for everybody
+    assert forbidden | {"errors", "files"} >= rooms()
+
+
+def test_contracts_hold() -> None:
+    done = subprocess.run([Path(sys.executable).parent / "lint-imports"], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    ("modules", "unwanted"),
+    [
+        ("symskill_pddl.symbols", HEAVY),
+        ("symskill_pddl.pddl", HEAVY),
+        ("symskill_pddl.planning", HEAVY),
+        ("symskill_pddl.execution.monitor", HEAVY),
+        ("symskill_pddl.cli.app", HEAVY),
+        ("symskill_pddl.learning", SIMULATORS),
+        ("symskill_pddl.demos", SIMULATORS),
+        ("symskill_pddl.execution.executor", SIMULATORS),
+        ("symskill_pddl.kitchen", SIMULATORS),
+        ("symskill_pddl.report", SIMULATORS),
+    ],
+)
+def test_importing_a_room_loads_nothing_it_should_not_need(modules: str, unwanted: tuple[str, ...]) -> None:
+    code = f"import sys, {modules}; print(*sorted(set(sys.modules) & set({unwanted!r})))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
+@pytest.mark.parametrize(
+    ("file", "line", "contract"),
+    [
+        ("symbols.py", "import symskill_pddl.scene", "symbols imports errors"),
+        ("pddl/names.py", "import numpy", "need no numpy"),
+        ("execution/executor.py", "import mujoco", "know a simulator"),
+    ],
+)
+def test_a_forbidden_import_is_found(tmp_path: Path, file: str, line: str, contract: str) -> None:
+    for source in PACKAGE.rglob("*.py"):
+        target = tmp_path / source.relative_to(ROOT)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(source.read_text())
+    (tmp_path / "pyproject.toml").write_text((ROOT / "pyproject.toml").read_text())
+    broken = tmp_path / "symskill_pddl" / file
+    broken.write_text(f"{broken.read_text()}\n{line}\n")
+    program = "import sys; sys.path.insert(0, '.'); from importlinter.cli import lint_imports_command; lint_imports_command()"
+    done = subprocess.run(
+        [sys.executable, "-c", program, "--no-cache"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert any(contract in row and "BROKEN" in row for row in done.stdout.splitlines()), done.stdout
