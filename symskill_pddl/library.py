@@ -65,7 +65,7 @@ class Library:
     operators: tuple[LearnedOperator, ...]
     skills: Mapping[str, Skill]
     goals: tuple[Goal, ...] = ()
-    gripper: GripperRule = GripperRule()
+    gripper: GripperRule = field(default_factory=GripperRule)
     extents: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     """Half sizes [m] of each type's bounding box where the recordings state them (obstacles)."""
 
