@@ -14,12 +14,12 @@ from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.demo_hand import Hand, along, facing, moved, offset
 from symskill_pddl.kitchen.human import approach_twice, vary
 
-PITCH_DEG = (63.0, 67.0)
+PITCH_DEG = (76.0, 80.0)
 COUNTER_TOP, CABINET_FLOOR = 0.0, layout.CABINET_INSIDE.center[2] - layout.CABINET_INSIDE.half[2]
 """Heights of the supports: of the counter in the world, of the floor in the cabinet's frame [m]."""
-ON_COUNTER = ((0.50, 0.08), (0.04, 0.06))
+ON_COUNTER = ((0.55, 0.10), (0.03, 0.06))
 """Where people put food on the counter: middle and half width in the world [m]."""
-IN_CABINET = ((-0.085, 0.0), (0.015, 0.05))
+IN_CABINET = ((-0.095, 0.0), (0.015, 0.05))
 """Where they put it in the cabinet, in its frame [m]."""
 FRONT = -layout.CABINET.half[0]
 """The plane of the cabinet's opening: x in its frame."""
@@ -35,6 +35,7 @@ def to_counter(hand: Hand, food: str) -> None:
     spot = (*(np.array(ON_COUNTER[0]) + rng.uniform(-1.0, 1.0, 2) * ON_COUNTER[1]), COUNTER_TOP)
     place = _place(hand, grasp, spot, cabinet.p[2] + CABINET_FLOOR)
     _carry(hand, [up, vary(_before(cabinet, up, 0.02), rng, 0.012), moved(place, [0.0, 0.0, 0.08])], place)
+    _retreat(hand, [along(place, -float(rng.uniform(0.09, 0.12)))])
 
 
 def to_cabinet(hand: Hand, food: str) -> None:
@@ -47,6 +48,7 @@ def to_cabinet(hand: Hand, food: str) -> None:
     spot = cabinet.apply((*(np.array(IN_CABINET[0]) + rng.uniform(-1.0, 1.0, 2) * IN_CABINET[1]), CABINET_FLOOR))
     place = _place(hand, grasp, spot, COUNTER_TOP)
     _carry(hand, [up, vary(_before(cabinet, place, 0.07), rng, 0.012), moved(place, [-0.02, 0.0, 0.05])], place)
+    _retreat(hand, [along(place, -float(rng.uniform(0.045, 0.06))), vary(_before(cabinet, place, 0.06), rng, 0.012)])
 
 
 def _grasp(hand: Hand, food: str) -> Pose:
@@ -92,5 +94,9 @@ def _carry(hand: Hand, via: list[Pose], place: Pose) -> None:
     hand.go([place], careful=True)
     hand.rest(0.2)
     hand.fingers(False)
-    hand.go([along(hand.T, -float(hand.rng.uniform(0.09, 0.12)))])
-    hand.leave()
+
+
+def _retreat(hand: Hand, via: list[Pose]) -> None:
+    """Off the food and back; slow until the fingers are clear."""
+    hand.go(via[:1], careful=True)
+    hand.leave(via[1:])

@@ -73,10 +73,10 @@ class Hand:
                 return
             self._towards(via[-1], np.zeros(6))
 
-    def leave(self) -> None:
+    def leave(self, via: Sequence[Pose] = ()) -> None:
         """Back to about where the hand was at first, and a short rest there, as a person ends a demonstration."""
         self.closed = False
-        self.go([vary(self.T_world_home, self.rng, 0.025, 0.08)])
+        self.go([*via, vary(self.T_world_home, self.rng, 0.025, 0.08)])
         self.rest(float(self.rng.uniform(1.0, 2.5)))
 
     def rest(self, seconds: float) -> None:
