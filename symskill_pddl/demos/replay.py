@@ -7,9 +7,9 @@ What is an object, and what it is called:
 
 - The robot is the top-level body that carries the `grip_site`. Everything below it is robot.
 - Every other body with a joint of its own is an object (free bodies, doors, latches, drawers).
-- A body without a joint that has shapes and hangs from no moving body is an object too: a resting place or reference (table, bin,
-  frame). Its frame is the body's site named `*_top` where there is one (robosuite marks table tops so), since robosuite's own
-  table frame lies inside the slab; else the body's frame.
+- A body without a joint that can be touched and hangs from no moving body is an object too: a resting place or reference (table,
+  bin, frame; not the pictures of goals that robosuite draws). Its frame is the body's site named `*_top` where there is one
+  (robosuite marks table tops so), since robosuite's own table frame lies inside the slab; else the body's frame.
 - An object's name is its body's without a `_main`, `_root`, `_object` or `_body` at the end; its type is the name without
   trailing digits (``can2`` is a ``can``; ``cubeA`` and ``cubeB`` stay types of their own unless the caller says otherwise).
 """
@@ -43,7 +43,7 @@ _ASSET_GEOMS = ("mesh", "hfield", "sdf")
 
 
 def kinematic_xml(xml: str) -> tuple[str, frozenset[str]]:
-    """The model without anything that needs an asset, and the names of the bodies that had a shape before.
+    """The model without anything that needs an asset, and the names of the bodies that had a shape to touch before.
 
     Raises
     ------
@@ -56,7 +56,7 @@ def kinematic_xml(xml: str) -> tuple[str, frozenset[str]]:
         raise FormatError(f"the model is not well-formed XML: {error}") from None
     if root.tag != "mujoco" or root.find("worldbody") is None:
         raise FormatError(f"the model is not a MuJoCo model: its root is <{root.tag}>, expected <mujoco> with a <worldbody>")
-    shaped = frozenset(body.get("name", "") for body in root.iter("body") if body.find("geom") is not None)
+    shaped = frozenset(body.get("name", "") for body in root.iter("body") if any(map(_collides, body.findall("geom"))))
     for section in [child for child in root if child.tag in _USELESS]:
         root.remove(section)
     for parent in list(root.iter()):
@@ -75,6 +75,10 @@ def kinematic_xml(xml: str) -> tuple[str, frozenset[str]]:
     return ET.tostring(root, encoding="unicode"), shaped
 
 
+def _collides(geom: ET.Element) -> bool:
+    return geom.get("contype", "1") != "0" or geom.get("conaffinity", "1") != "0"
+
+
 @dataclass(frozen=True)
 class TrackedObject:
     """A body of the model that becomes an object of the demonstration."""
@@ -84,7 +88,7 @@ class TrackedObject:
     site: int
     """Site that gives the frame, or -1 for the body's own."""
     half_size: tuple[float, float, float] | None
-    """Of the box about the frame that holds the primitive shapes [m]; None where unknown, or where the body does not move."""
+    """Of the box about the frame that holds the primitive shapes [m]; None where there are none, or where the body does not move."""
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,7 @@ THINGS = """
 <body name="bin1" pos="0 1 0.5"><geom type="box" size="0.2 0.2 0.01"/><site name="bin1_top" pos="0 0 0.01"/></body>
 <body name="shelf" pos="0 2 0"><geom type="mesh" mesh="gone"/></body>
 <body name="target" mocap="true"><geom type="sphere" size="0.01"/></body>
+<body name="VisualCan"><geom type="box" size="1 1 1" contype="0" conaffinity="0"/></body>
 <body name="empty" pos="0 3 0"><body name="cabinet_main" pos="0 0 0.5"><geom type="box" size="0.1 0.1 0.1"/>
   <body name="drawer" pos="0.1 0 0"><joint name="slide" type="slide" axis="1 0 0"/>
     <geom type="box" size="0.1 0.1 0.05" pos="0.1 0 0"/>
@@ -152,7 +153,7 @@ def test_a_damaged_recording_is_refused_in_one_line(tmp_path):
 
 def test_objects_frames_and_names_of_a_model(tmp_path):
     (demo,) = import_robosuite(write(tmp_path / "tiny.hdf5"))
-    # no robot, no mocap target, no empty body, no knob (part of the drawer); the shelf had a mesh only
+    # no robot, no mocap target, no picture, no empty body, no knob (part of the drawer); the shelf had a mesh only
     assert demo.objects == {"bin1": "bin", "shelf": "shelf", "cabinet": "cabinet", "drawer": "drawer", "can2": "can"}
     assert demo.extents == {"can": pytest.approx((0.03, 0.03, 0.06)), "drawer": pytest.approx((0.2, 0.1, 0.05))}
     np.testing.assert_allclose(demo.pose("bin1").p, np.tile([0, 1, 0.51], (4, 1)))  # its top
@@ -164,6 +165,11 @@ def test_objects_frames_and_names_of_a_model(tmp_path):
     np.testing.assert_allclose(demo.aperture, 0.05)
     assert demo.gripper_closed.tolist() == [False, False, True, True]
     assert demo.times.tolist() == pytest.approx([0, 0.05, 0.1, 0.15])
+
+
+def test_an_object_of_meshes_has_no_known_size():
+    xml = model_xml().replace('<geom type="cylinder" size="0.03 0.06"/>', '<geom type="mesh" mesh="gone"/>')
+    assert {o.name: o.half_size for o in KinematicModel(xml).objects}["can2"] is None
 
 
 def test_bodies_whose_short_names_agree_keep_the_long_ones():
@@ -288,3 +294,28 @@ def test_a_type_for_an_unknown_object(tmp_path):
         InputError,
         types={"cup": "cup"},
     )
+
+
+@pytest.mark.simulation
+def test_a_recording_of_the_installed_robosuite(tmp_path):
+    robosuite = pytest.importorskip("robosuite")
+    env = robosuite.make("Lift", robots="Panda", has_renderer=False, has_offscreen_renderer=False, use_camera_obs=False)
+    env.reset()
+    states, actions, hands, cubes = [], [], [], []
+    for i in range(8):
+        action = np.zeros(env.action_dim)
+        action[2], action[-1] = -0.5, 1 if i > 4 else -1
+        env.step(action)
+        states.append(env.sim.get_state().flatten())
+        actions.append(action)
+        # what the simulator itself says of the same state, after its own forward pass
+        env.sim.forward()
+        hands.append(env.sim.data.get_site_xpos("gripper0_right_grip_site").copy())
+        cubes.append(env.sim.data.get_body_xpos("cube_main").copy())
+    path = write(tmp_path / "lift.hdf5", xml=env.sim.model.get_xml(), states=np.array(states), actions=np.array(actions))
+    env.close()
+    (demo,) = import_robosuite(path)
+    assert demo.objects == {"table": "table", "cube": "cube"}
+    np.testing.assert_allclose(demo.T_world_ee.p, hands, atol=1e-6)
+    np.testing.assert_allclose(demo.pose("cube").p, cubes, atol=1e-6)
+    assert demo.gripper_closed.tolist() == [False] * 5 + [True] * 3
