@@ -88,7 +88,7 @@ class TrackedObject:
     site: int
     """Site that gives the frame, or -1 for the body's own."""
     half_size: tuple[float, float, float] | None
-    """Of the box about the frame that holds the primitive shapes [m]; None where there are none, or where the body does not move."""
+    """Of the box about the frame that holds the primitive shapes [m]; None without such shapes, or if the body does not move."""
 
 
 @dataclass(frozen=True)
