@@ -8,7 +8,7 @@ import sys
 import typer
 
 from symskill_pddl.cli import demos, execute, pddl, quickstart
-from symskill_pddl.cli.console import complain
+from symskill_pddl.cli.console import complain, say
 from symskill_pddl.errors import SymSkillError
 
 app = typer.Typer(
@@ -34,14 +34,19 @@ app.command()(execute.evaluate)
 app.command()(execute.report)
 
 
-@app.callback()
-def options(version: bool = typer.Option(False, "--version", is_eager=True, help="Print the version and leave.")) -> None:
-    """From a handful of robot demonstrations to a PDDL domain, plans, and their execution under a monitor."""
-    if version:
+def _version(asked: bool) -> None:
+    if asked:
         from symskill_pddl import __version__
 
-        sys.stdout.write(f"symskill {__version__}\n")
+        say(f"symskill {__version__}")
         raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: bool = typer.Option(False, "--version", is_eager=True, callback=_version, help="Print the version and leave."),
+) -> None:
+    """From a handful of robot demonstrations to a PDDL domain, plans, and their execution under a monitor."""
 
 
 def main() -> None:

@@ -132,10 +132,50 @@ def why_not(domain: Domain, problem: Problem) -> tuple[str, ...]:
 def check(
     library: LibraryArgument,
     domain: Annotated[Path, typer.Argument(metavar="DOMAIN", help="A PDDL domain, perhaps edited.")],
-    problem: Annotated[Path | None, typer.Argument(metavar="[PROBLEM", help="A problem of it.")] = None,
-    plan: Annotated[Path | None, typer.Argument(metavar="[PLAN]]", help="A plan of that.")] = None,
-    names: Annotated[Path | None, typer.Option("--names-file", help="The domain's names.json; else the one beside it.")] = None,
+    problem: Annotated[Path | None, typer.Argument(metavar="PROBLEM", help="A problem of it.")] = None,
+    plan: Annotated[Path | None, typer.Argument(metavar="PLAN", help="A plan of that.")] = None,
+    dialect: Annotated[str | None, typer.Option("--dialect", help="What it was exported as; else the nearest.")] = None,
     json: JsonFlag = False,
 ) -> None:
-    """Compare a domain with the library, and validate a problem and a plan. Exit status 1 if something does not fit."""
-    raise NotImplementedError(str((library, domain, problem, plan, names, json)))
+    """Compare a domain with the library, validate a problem and a plan of it, and bind the plan to skills.
+
+    Exit status 1 if an action would not run or not do what the domain says, 2 if a file is wrong in itself.
+    """
+    from symskill_pddl.errors import InputError
+    from symskill_pddl.symbols import validate
+
+    learned = work.open_library(library)
+    edited = work.read_domain_file(domain)
+    names = work.names_beside(domain)
+    comparison = work.compared(learned.domain(edited.name), edited, names, dialect)
+    bound = None
+    if problem is not None:
+        posed = work.read_problem_file(problem, edited)
+        if plan is not None:
+            steps = work.read_plan_file(plan, edited, posed)
+            try:
+                validate(edited, posed, steps)
+            except InputError as error:
+                raise InputError(f"{plan}: {error}") from None
+            if comparison.runs:
+                bound = comparison.plan(steps, work.names_beside(problem))
+    if json:
+        emit_json(
+            {
+                "runs": comparison.runs,
+                "findings": [{"severity": f.severity.value, "where": f.where, "message": f.message} for f in comparison.findings],
+                "bindings": [{"action": b.action, "operator": b.operator, "order": list(b.order)} for b in comparison.bindings],
+                "plan": None if bound is None else [[name, *args] for name, args in bound.steps],
+            }
+        )
+    else:
+        for finding in comparison.findings:
+            say(str(finding))
+        if not comparison.findings:
+            say(f"{domain}: as learned, {len(comparison.bindings)} actions, each with its skill")
+        if bound is not None:
+            say(f"{plan}: valid, {len(bound)} steps")
+            for name, args in bound.steps:
+                say(f"    ({' '.join((name, *args))}) by skill {learned.learned(name).skill}")
+    if not comparison.runs:
+        raise typer.Exit(1)

@@ -13,6 +13,7 @@ from symskill_pddl.errors import InputError
 if TYPE_CHECKING:
     from symskill_pddl.library import Library
     from symskill_pddl.pddl import Names
+    from symskill_pddl.pddl.check import Comparison
     from symskill_pddl.symbols import Domain, Plan, Problem
 
 
@@ -98,6 +99,35 @@ def read_domain_file(path: Path) -> Domain:
     from symskill_pddl.pddl import read_domain
 
     return read_domain(read_text(path, "domain"), str(path))
+
+
+def names_beside(path: Path) -> Names | None:
+    """The side-car of an exported file (``names.json`` of a domain, ``problem.names.json`` of a problem), if it is there."""
+    from symskill_pddl.pddl import load_names
+
+    beside = path.with_suffix(".names.json")
+    candidates = (beside, path.with_name("names.json"))
+    return next((load_names(candidate) for candidate in candidates if candidate.is_file()), None)
+
+
+def compared(learned: Domain, edited: Domain, names: Names | None, dialect: str | None) -> Comparison:
+    """Compare with the learned domain in the dialect given, else in the one in which least is wrong."""
+    from symskill_pddl.pddl import DIALECTS
+    from symskill_pddl.pddl.check import Severity, compare
+
+    if dialect is not None:
+        return compare(learned, edited, dialect=dialect, names=names)
+    found: list[Comparison] = []
+    for form in DIALECTS:
+        try:
+            found.append(compare(learned, edited, dialect=form, names=names))
+        except InputError:  # the learned domain cannot be said in this dialect
+            continue
+
+    def wrong(comparison: Comparison) -> tuple[int, int]:
+        return sum(f.severity is Severity.ERROR for f in comparison.findings), len(comparison.findings)
+
+    return min(found, key=wrong)
 
 
 def read_problem_file(path: Path, domain: Domain) -> Problem:
