@@ -69,8 +69,9 @@ class ExecutionConfig:
         A skill whose nominal twist is below these [m/s], [rad/s] for this long [s] has come to rest.
     failure_cost : float
         Added to the cost of a ground step for each of its failures.
-    sample_growth : float
-        The n-th retry samples its goal within ``n * sample_growth`` (at most 1) of the effect predicate's radii.
+    sample_growth, sample_most : float
+        The n-th retry samples its goal within ``n * sample_growth`` of the effect predicate's radii, at most `sample_most`: on the very edge of
+        the predicate the smallest error would undo it.
     observe_s : float
         How long to stand still and look when there is no plan [s].
     retreat_m, back_off_m
@@ -92,6 +93,7 @@ class ExecutionConfig:
     still_turn: float = 0.03
     failure_cost: float = 10.0
     sample_growth: float = 0.4
+    sample_most: float = 0.8
     observe_s: float = 3.0
     retreat_m: float = 0.2
     back_off_m: float = 0.08
@@ -99,7 +101,16 @@ class ExecutionConfig:
     motion: MotionConfig = field(default_factory=MotionConfig)
 
     def __post_init__(self) -> None:
-        for name in ("max_time_s", "plan_time_s", "budget_factor", "still_speed", "still_turn", "sample_growth", "stall_s"):
+        for name in (
+            "max_time_s",
+            "plan_time_s",
+            "budget_factor",
+            "still_speed",
+            "still_turn",
+            "sample_growth",
+            "sample_most",
+            "stall_s",
+        ):
             if not getattr(self, name) > 0:
                 raise InputError(f"{name} has to be positive, got {getattr(self, name)!r}")
         for name in ("max_replans", "budget_margin_s", "grace_s", "failure_cost", "observe_s", "retreat_m", "back_off_m"):

@@ -27,7 +27,7 @@ from symskill_pddl.execution.journal import Journal
 from symskill_pddl.execution.recovery import nearest_symbols
 from symskill_pddl.execution.trace import PlanLine, rows
 from symskill_pddl.library import Library
-from symskill_pddl.planning.protocol import Limits, Planner
+from symskill_pddl.planning import Limits, Planner, PlanResult, Status, explain, nearest_goal
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, GroundOperator, Problem, State
 
 _MOST_ASSUMPTIONS = 12
@@ -59,8 +59,7 @@ class Deliberation:
         self._domain, self._goal, self._objects, self._planner = domain, goal, dict(objects), planner
         self._library, self._config, self._body, self._belief, self._journal = library, config, body, belief, journal
         self._known = frozenset(p.name for p in domain.predicates)
-        self.why_not: tuple[str, ...] = ()
-        """What the planner said when it last found no plan."""
+        self._last: tuple[Problem, PlanResult] | None = None
 
     def reached(self) -> bool:
         """Whether the goal holds now, out of the hand."""
@@ -93,9 +92,28 @@ class Deliberation:
             )
         )
         if plan is None:
-            self.why_not = messages or (result.status.value,)
+            if not assumed:
+                self._last = problem, result
             return None
         return Planned(steps, assumed)
+
+    @property
+    def proved(self) -> bool:
+        """Whether the planner, when it last found no plan, had proved that there is none."""
+        return self._last is None or self._last[1].status is Status.UNSOLVABLE
+
+    def explain(self) -> tuple[str, ...]:
+        """Why there was no plan the last time, a line for each obstacle, and what part of the goal could be had."""
+        if self._last is None:
+            return ()
+        problem, result = self._last
+        if result.status is not Status.UNSOLVABLE:
+            return result.messages or (result.status.value,)
+        lines = explain(self._domain, problem)
+        if len(self._goal) > 1:
+            part = nearest_goal(self._domain, problem, self._planner)
+            lines += (f"a part that can be reached: {' '.join(map(str, sorted(part))) or 'none'}",)
+        return lines or result.messages
 
     def _honest(self, steps: tuple[GroundOperator, ...]) -> bool:
         """Whether every goal atom is observed or brought about."""

@@ -24,7 +24,7 @@ from symskill_pddl.execution.recovery import goal_shift, key_of
 from symskill_pddl.execution.runner import SkillRun, obstacles_of
 from symskill_pddl.execution.trace import Header, OutcomeLine, TraceWriter, rows, step_line, tick_line
 from symskill_pddl.library import Library
-from symskill_pddl.planning.protocol import Planner
+from symskill_pddl.planning import Planner
 from symskill_pddl.scene import GRIPPER, Scene, World
 from symskill_pddl.skills import Ellipsoid
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, GroundOperator, State
@@ -133,11 +133,11 @@ class _Run:
         while True:
             if self.mind.reached():
                 return Category.SUCCESS, "the goal holds"
-            self.replans, rounds = rounds, rounds + 1
-            if self.replans > self.config.max_replans:
+            if rounds > self.config.max_replans:
                 return Category.REPLANS, f"gave up after {self.config.max_replans} new plans; the last reason: {reason}"
             if self.body.elapsed > self.config.max_time_s:
                 return Category.TIME, f"{self.config.max_time_s:g} s are over; the last reason: {reason}"
+            self.replans, rounds = rounds, rounds + 1
             planned = self.mind.plan(reason) or self.mind.recover(reason)
             if planned is not None and planned.steps:
                 reason = self.follow(planned)
@@ -145,13 +145,13 @@ class _Run:
                 reason = "the goal holds, but its object is still held"
                 self.mind.open_up(reason)
             elif planned is None and not self.mind.reached():
-                return Category.UNREACHABLE, "; ".join((f"no plan reaches {self.missing()}", *self.mind.why_not))
+                return self.hopeless()
 
     def open_loop(self) -> tuple[Category, str]:
         """The first plan, whatever happens: each skill until its phases end or its time is up."""
         planned = self.mind.plan("start")
         if planned is None:
-            return Category.UNREACHABLE, "; ".join((f"no plan reaches {self.missing()}", *self.mind.why_not))
+            return self.hopeless()
         for index, step in enumerate(planned.steps):
             watch, run, _ = self.prepare(planned, index)
             self.announce(watch, Continue("without monitor"), run, 0)
@@ -222,7 +222,7 @@ class _Run:
         attempt = self.belief.failures.count(key_of(step))
         shift = None
         if attempt:
-            radius = min(1.0, attempt * config.sample_growth)
+            radius = min(config.sample_most, attempt * config.sample_growth)
             shift = goal_shift(step, skill, binding, self.library.classifiers, self.body.scene, self.rng, radius)
         spared = frozenset(step.args) | self.belief.held(state)
 
@@ -257,6 +257,11 @@ class _Run:
         self.journal.emit(step_line(watch, verdict, attempt=attempt, shift=run.shift_vector))
         if self.on_step and isinstance(verdict, Continue):
             self.on_step(watch.index, watch.step)
+
+    def hopeless(self) -> tuple[Category, str]:
+        """No plan, and why."""
+        category = Category.UNREACHABLE if self.mind.proved else Category.PLANNER
+        return category, "; ".join((f"no plan reaches {self.missing()}", *self.mind.explain()))
 
     def missing(self) -> str:
         """The goal atoms that do not hold, as text."""

@@ -154,7 +154,7 @@ def way_back(path: Sequence[Pose], length_m: float, *, spacing_m: float = 0.02) 
     back, covered, last = [], 0.0, path[-1]
     for T in reversed(path):
         gap = float(np.linalg.norm(T.p - last.p))
-        if gap < spacing_m:
+        if gap < spacing_m - 1e-9:
             continue
         covered += gap
         back.append(T)

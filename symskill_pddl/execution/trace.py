@@ -277,7 +277,9 @@ class Replayed:
 
 
 def replay(trace: Trace) -> tuple[Replayed, ...]:
-    """Decide every recorded step start and tick again, with the pure monitor."""
+    """Decide every recorded step start and tick again, with the pure monitor. Empty for a run without monitor."""
+    if not trace.header.monitor:
+        return ()
     return tuple(_replay(trace))
 
 
@@ -287,7 +289,7 @@ def _replay(trace: Trace) -> Iterator[Replayed]:
         if isinstance(line, StepLine):
             watch, state, memory = load_watch(line), unrows(line.state), Memory()
             yield Replayed(number, line.verdict, verdict_line(check_start(watch, state)))
-        elif isinstance(line, TickLine) and watch is not None and trace.header.monitor:
+        elif isinstance(line, TickLine) and watch is not None:
             state = (state - unrows(line.removed)) | unrows(line.added)
             judgement = judge(watch, load_tick(line, state), memory)
             memory = judgement.memory

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,7 +40,7 @@ class FakeWorld:
         self.time, self.ee, self.closed = 0.0, ee, closed
         self.aperture = 0.0 if closed else 0.08
         self.angle = angle
-        self.cheese = cheese or Pose(COUNTER + [0.02, 0.0, 0.03], [1.0, 0, 0, 0])
+        self.cheese = Pose(COUNTER + np.array([0.02, 0, 0.03]), [1.0, 0, 0, 0]) if cheese is None else cheese
         self.grasp: Pose | None = None
         self.on_door = False
         self.slippery = 0
@@ -96,7 +96,7 @@ class FakeWorld:
         if self.aperture == WIDTH and self.grasp is None and not self.on_door:
             if near and self.slippery > 0:
                 self.slippery -= 1
-                self.cheese = Pose(self.cheese.p + [0.06, 0.0, 0.0], self.cheese.q)
+                self.cheese = Pose(self.cheese.p + np.array([0.06, 0, 0]), self.cheese.q)
             elif near:
                 self.grasp = self.ee.inverse() @ self.cheese
             elif at_handle:
@@ -122,7 +122,7 @@ class Linear:
 
     T_goal: Pose
     gain: float = 3.0
-    cap: float = 0.4
+    cap: float = 0.5
 
     def twist_at(self, p: np.ndarray, q: np.ndarray) -> np.ndarray:
         v = self.gain * (self.T_goal.p - p)
@@ -143,19 +143,10 @@ def atoms(*texts: str) -> frozenset[Atom]:
     return frozenset(Atom(*(lambda w: (w[0], tuple(w[1:])))(t.split())) for t in texts)
 
 
-def operator(
-    name: str,
-    parameters: str,
-    pre: set[str],
-    add: set[str],
-    delete: set[str],
-    maintain: set[str] = frozenset(),
-    absent: set[str] = frozenset(),
-    cost: float = 1.0,
-) -> Operator:  # type: ignore[assignment]
-    names = [Parameter(f"?{t}", t) for t in parameters.split()]
-    sets = (atoms(*s) for s in (pre, add, delete, maintain))
-    return Operator(name, tuple(names), *sets, frozenset(Absent(a) for a in atoms(*absent)), cost)
+def operator(name: str, parameters: str, *sets: Iterable[str]) -> Operator:
+    """`sets` are pre, add, delete, maintain, absent."""
+    *positive, absent = (atoms(*s) for s in sets)
+    return Operator(name, tuple(Parameter(f"?{t}", t) for t in parameters.split()), *positive, frozenset(map(Absent, absent)))
 
 
 def make_library() -> Library:
@@ -188,24 +179,41 @@ def make_library() -> Library:
                 phase("?cabinet", hold_at(handle(0.5)), True),
                 phase("?cabinet", hold_at(handle(1.0)), True),
                 phase("?cabinet", hold_at(handle(1.5)), True),
-                phase("?cabinet", Pose(hold_at(handle(1.5)).p + [0, 0, 0.15], DOWN), False),
+                phase("?cabinet", Pose(hold_at(handle(1.5)).p + np.array([0, 0, 0.15]), DOWN), False),
             ),
             False,
         ),
     }
-    held = "gripper-holds-food ?food"
-    door_open = "door-open ?door ?cabinet"
-    pairs = (
-        ("pick", "pick", operator("pick-from-counter", "food counter", {"gripper-open", "food-on-counter ?food ?counter"}, {held}, {"gripper-open", "food-on-counter ?food ?counter"}, {"gripper-open", "food-on-counter ?food ?counter"})),
-        ("pick", "pick", operator("pick-from-cabinet", "food cabinet door", {"gripper-open", "food-in-cabinet ?food ?cabinet", door_open}, {held}, {"gripper-open", "food-in-cabinet ?food ?cabinet"}, {door_open})),
-        ("place-cabinet", "place", operator("place-in-cabinet", "food cabinet door", {held, door_open}, {"gripper-open", "food-in-cabinet ?food ?cabinet"}, {held}, {held, door_open}, {"gripper-open"})),
-        ("place-counter", "place", operator("place-on-counter", "food counter", {held}, {"gripper-open", "food-on-counter ?food ?counter"}, {held}, {held}, {"gripper-open"})),
-        ("reach-door", "reach", operator("reach-closed-door", "door cabinet", {"gripper-open", "door-closed ?door ?cabinet"}, {"gripper-holds-door ?door"}, {"gripper-open", "door-closed ?door ?cabinet"})),
-        ("open-door", "move", operator("open-door", "door cabinet", {"gripper-holds-door ?door"}, {"gripper-open", door_open}, {"gripper-holds-door ?door"}, {"gripper-holds-door ?door"})),
-    )  # fmt: skip
+    holds, holds_door = "gripper-holds-food ?food", "gripper-holds-door ?door"
+    opened, closed = "door-open ?door ?cabinet", "door-closed ?door ?cabinet"
+    there, inside = "food-on-counter ?food ?counter", "food-in-cabinet ?food ?cabinet"
+    free, both = "gripper-open", {holds, opened}
+    # name, kind, skill, parameters, pre, add, delete, maintain, absent
+    table = (
+        ("pick-from-counter", "pick", "pick", "food counter", {free, there}, {holds}, {free, there}, {free, there}, ()),
+        ("pick-from-cabinet", "pick", "pick", "food cabinet door", {free, inside, opened}, {holds}, {free, inside}, {opened}, ()),
+        (
+            "place-in-cabinet",
+            "place",
+            "place-cabinet",
+            "food cabinet door",
+            {holds, opened},
+            {free, inside},
+            {holds},
+            {holds, opened},
+            {free},
+        ),
+        ("place-on-counter", "place", "place-counter", "food counter", {holds}, {free, there}, {holds}, {holds}, {free}),
+        ("reach-closed-door", "reach", "reach-door", "door cabinet", {free, closed}, {holds_door}, {free, closed}, (), ()),
+        ("open-door", "move", "open-door", "door cabinet", {holds_door}, {free, opened}, {holds_door}, {holds_door}, ()),
+    )
+    operators = tuple(
+        LearnedOperator(operator(name, parameters, *sets), atoms(*sets[0]), skill, kind, (), (4.0, 5.0))
+        for name, kind, skill, parameters, *sets in table
+    )
     return Library(
         tuple(Type(t) for t in ("food", "cabinet", "counter", "door")),
         classifiers,
-        tuple(LearnedOperator(op, op.pre, skill, kind, (), (4.0, 5.0)) for skill, kind, op in pairs),
+        operators,
         skills,
     )
