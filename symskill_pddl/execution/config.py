@@ -70,8 +70,8 @@ class ExecutionConfig:
     failure_cost : float
         Added to the cost of a ground step for each of its failures.
     sample_growth, sample_most : float
-        The n-th retry samples its goal within ``n * sample_growth`` of the effect predicate's radii, at most `sample_most`: on the very edge of
-        the predicate the smallest error would undo it.
+        The n-th retry samples its goal within ``n * sample_growth`` of the effect predicate's radii, at most `sample_most`: on
+        the very edge of the predicate the smallest error would undo it.
     observe_s : float
         How long to stand still and look when there is no plan [s].
     retreat_m, back_off_m

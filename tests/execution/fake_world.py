@@ -192,17 +192,7 @@ def make_library() -> Library:
     table = (
         ("pick-from-counter", "pick", "pick", "food counter", {free, there}, {holds}, {free, there}, {free, there}, ()),
         ("pick-from-cabinet", "pick", "pick", "food cabinet door", {free, inside, opened}, {holds}, {free, inside}, {opened}, ()),
-        (
-            "place-in-cabinet",
-            "place",
-            "place-cabinet",
-            "food cabinet door",
-            {holds, opened},
-            {free, inside},
-            {holds},
-            {holds, opened},
-            {free},
-        ),
+        ("place-in-cabinet", "place", "place-cabinet", "food cabinet door", both, {free, inside}, {holds}, both, {free}),
         ("place-on-counter", "place", "place-counter", "food counter", {holds}, {free, there}, {holds}, {holds}, {free}),
         ("reach-closed-door", "reach", "reach-door", "door cabinet", {free, closed}, {holds_door}, {free, closed}, (), ()),
         ("open-door", "move", "open-door", "door cabinet", {holds_door}, {free, opened}, {holds_door}, {holds_door}, ()),
