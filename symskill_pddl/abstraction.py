@@ -11,11 +11,14 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.geometry import Array, Pose, frozen, quat_exp, quat_log, quat_multiply, quat_conjugate
+from symskill_pddl.geometry import Array, Pose, frozen, quat_conjugate, quat_exp, quat_log, quat_multiply
 from symskill_pddl.scene import GRIPPER, Scene
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Predicate, State
+
+BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,6 +149,68 @@ def abstract(
             if classifier.holds(T_parent_child, before=atom in before):
                 state.add(atom)
     return frozenset(state)
+
+
+def hysteresis(margin: Array, leave_factor: float) -> BoolArray:
+    """Truth (n,) of a predicate along a recording from its margins (n,): the same as `Classifier.holds` moment by moment."""
+    enters, leaves = margin >= 0.0, margin < 1.0 - leave_factor
+    decided = np.where(enters, 1, np.where(leaves, -1, 0))
+    # the last moment that decided anything; before the first one it is false
+    last = np.maximum.accumulate(np.where(decided != 0, np.arange(len(decided)), -1))
+    return np.asarray((last >= 0) & (decided[np.maximum(last, 0)] > 0))
+
+
+def debounce(truth: BoolArray, frames: int) -> BoolArray:
+    """Truth (n,) that follows only after `frames` equal readings, starting from the first reading."""
+    out, state, run = np.empty_like(truth), bool(truth[0]), 0
+    for i, reading in enumerate(truth.tolist()):
+        run = run + 1 if reading != state else 0
+        if run >= frames:
+            state, run = reading, 0
+        out[i] = state
+    return out
+
+
+def abstract_recording(
+    objects: dict[str, str],
+    T_world_ee: Pose,
+    aperture: Array,
+    gripper_closed: BoolArray,
+    T_world_objects: Pose,
+    classifiers: Iterable[Classifier],
+    *,
+    gripper: GripperRule | None = None,
+    frames: int = 2,
+) -> dict[Atom, BoolArray]:
+    """`abstract` along n moments at once, with hysteresis and debounce: the truth (n,) of every atom that ever holds.
+
+    Parameters
+    ----------
+    objects : dict of str to str
+        Type of each object, in the order of the second axis of `T_world_objects`.
+    T_world_ee : Pose (n,)
+    aperture : ndarray (n,)
+    gripper_closed : ndarray of bool (n,)
+    T_world_objects : Pose (n, n_obj)
+    classifiers : iterable of Classifier
+    gripper : GripperRule, optional
+    frames : int
+        Equal readings before an atom changes.
+    """
+    rule, order = gripper or GripperRule(), {name: i for i, name in enumerate(objects)}
+    fingers, states = False, []
+    for width, closed in zip(aperture.tolist(), gripper_closed.tolist(), strict=True):
+        fingers = rule.holds(width, closed, before=fingers)
+        states.append(fingers)
+    found = {Atom(GRIPPER_OPEN): np.array(states)}
+    inverse = T_world_objects.inverse()
+    for classifier in classifiers:
+        for atom, parent, child in groundings(classifier, objects):
+            T_world_child = T_world_ee if child == GRIPPER else T_world_objects[:, order[child]]
+            margin = classifier.margin(inverse[:, order[parent]] @ T_world_child)
+            if (margin >= 0.0).any():
+                found[atom] = hysteresis(margin, classifier.leave_factor)
+    return {atom: truth for atom, raw in found.items() if (truth := debounce(raw, frames)).any()}
 
 
 @dataclass(frozen=True)

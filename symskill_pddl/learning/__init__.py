@@ -1,1 +1,5 @@
-"""From demonstrations to a library: segments, references, predicates, operators, skills."""
+"""From demonstrations to a library: segments, references, predicates, operators, skills, goals."""
+
+from symskill_pddl.learning.learn import LearnConfig, LearnReport, learn, learn_reported
+
+__all__ = ["LearnConfig", "LearnReport", "learn", "learn_reported"]

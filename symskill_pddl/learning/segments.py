@@ -249,13 +249,16 @@ def _leave(demo: Demo, motion: Motion, following: int, config: SegmentConfig) ->
     T_obj_ee = demo.pose(motion.obj).inverse() @ demo.T_world_ee
     last = motion.stop - 1
     away = np.linalg.norm(T_obj_ee.p[motion.stop : following] - T_obj_ee.p[last], axis=-1) > config.away_m
-    return motion.stop + int(np.argmax(away)) if away.any() else None
+    if away.any():
+        return motion.stop + int(np.argmax(away))
+    # it moved again before the hand was gone, by a regrasp or by the hand's leaving: that ends this episode too
+    return following if following < len(demo) else None
 
 
 def _retreat_end(demo: Demo, motion: Motion, leave: int, following: int, still: Mask, config: SegmentConfig) -> int:
     """The first rest of the hand after leaving; without one before the next motion, where the hand was farthest away."""
     long = max(round(config.hand_rest_s / float(np.median(np.diff(demo.times)))), 1)
-    bound = min(int(np.searchsorted(demo.times, demo.times[leave] + config.max_retreat_s)), following - 1, len(demo) - 1)
+    bound = min(int(np.searchsorted(demo.times, demo.times[leave] + config.max_retreat_s)), max(following - 1, leave), len(demo) - 1)
     for a, b in intervals(still[leave : bound + 1], still[leave : bound + 1]):
         if b - a >= long or leave + b == len(demo):
             return leave + a

@@ -1,0 +1,160 @@
+"""`learn()`: demonstrations in, library out; the order of the stages and nothing else."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from symskill_pddl.abstraction import Classifier
+from symskill_pddl.demos import Demo, merged_extents
+from symskill_pddl.errors import LearningError
+from symskill_pddl.learning.goals import learn_goals
+from symskill_pddl.learning.naming import contact_names, place_names
+from symskill_pddl.learning.operators import OperatorConfig, OperatorGroup, learn_operators
+from symskill_pddl.learning.predicates import PredicateConfig, Relations, learn_relations
+from symskill_pddl.learning.segments import Episode, SegmentConfig, segment_all
+from symskill_pddl.learning.skills import SkillConfig, learn_skill
+from symskill_pddl.learning.transitions import gripper_rule, transitions, truth_of
+from symskill_pddl.library import LearnedOperator, Library
+from symskill_pddl.scene import GRIPPER
+from symskill_pddl.skills import Skill
+from symskill_pddl.symbols import Predicate, Type
+
+
+@dataclass(frozen=True)
+class LearnConfig:
+    """All settings of learning, stage by stage."""
+
+    segments: SegmentConfig = field(default_factory=SegmentConfig)
+    predicates: PredicateConfig = field(default_factory=PredicateConfig)
+    operators: OperatorConfig = field(default_factory=OperatorConfig)
+    skills: SkillConfig = field(default_factory=SkillConfig)
+
+
+@dataclass(frozen=True, eq=False)
+class LearnReport:
+    """What happened on the way: episodes, what was left out and why, seconds per stage."""
+
+    episodes: tuple[Episode, ...]
+    notes: tuple[str, ...]
+    seconds: tuple[tuple[str, float], ...]
+
+
+def learn(demos: Sequence[Demo], config: LearnConfig | None = None, *, progress: Callable[[str], None] | None = None) -> Library:
+    """Learn predicates, operators, skills and goals from demonstrations.
+
+    Parameters
+    ----------
+    demos : sequence of Demo
+        In any order: the same set gives the same library, byte by byte.
+    config : LearnConfig, optional
+    progress : callable, optional
+        Called with the name of each stage as it begins.
+
+    Raises
+    ------
+    LearningError
+        If there are no demonstrations, nothing moves, no operator comes out, or a skill cannot be fitted.
+    """
+    return learn_reported(demos, config, progress=progress)[0]
+
+
+def learn_reported(
+    demos: Sequence[Demo], config: LearnConfig | None = None, *, progress: Callable[[str], None] | None = None
+) -> tuple[Library, LearnReport]:
+    """`learn`, with the report of what was left out."""
+    config = config or LearnConfig()
+    clock = _Clock(progress)
+    demos = _sorted(demos)
+    extents = merged_extents(demos)
+    clock.stage("segments")
+    episodes = segment_all(demos, config.segments)
+    clock.stage("predicates")
+    relations = learn_relations(demos, episodes, extents, config.predicates)
+    places = place_names(relations, extents)
+    contacts = contact_names(relations, places)
+    classifiers = _classifiers(relations, places, contacts)
+    clock.stage("operators")
+    gripper = gripper_rule(demos)
+    truths = {demo.where: truth_of(demo, classifiers, gripper) for demo in demos}
+    found, odd_transitions = transitions(relations, truths, places, contacts)
+    groups, odd_operators = learn_operators(found, demos, relations, classifiers, places, contacts, extents, config.operators)
+    notes = (*relations.notes, *odd_transitions, *odd_operators)
+    if not groups:
+        raise LearningError(f"no operator comes out of {len(demos)} demonstrations with {len(episodes)} motions; first reason: {notes[0]}")
+    clock.stage("skills")
+    learned, skills = _skills(groups, config.skills)
+    goals = learn_goals(demos, episodes, truths, places)
+    clock.stage("")
+    types = tuple(Type(name) for name in sorted({t for demo in demos for t in demo.objects.values()}))
+    library = Library(types, classifiers, learned, skills, goals, gripper, extents)
+    return library, LearnReport(episodes, notes, tuple(clock.spent))
+
+
+def _skills(groups: Sequence[OperatorGroup], config: SkillConfig) -> tuple[tuple[LearnedOperator, ...], dict[str, Skill]]:
+    learned, skills = [], {}
+    for group in groups:
+        skill, notes = learn_skill(group, config)
+        old = group.learned
+        skills[old.skill] = skill
+        learned.append(
+            LearnedOperator(
+                old.operator, old.strict_pre, old.skill, old.kind, old.evidence, old.duration_s, (*old.notes, *notes)
+            )
+        )
+    return tuple(learned), skills
+
+
+def _classifiers(relations: Relations, places: Sequence[str], contacts: Sequence[str]) -> tuple[Classifier, ...]:
+    """Contacts first, then places, each in alphabetical order."""
+    of_contacts = [
+        c.shape.classifier(Predicate(name, (c.type,)), GRIPPER, c.type) for c, name in zip(relations.contacts, contacts, strict=True)
+    ]
+    of_places = [p.shape.classifier(Predicate(name, p.types), *p.types) for p, name in zip(relations.places, places, strict=True)]
+    return tuple(sorted(of_contacts, key=_name) + sorted(of_places, key=_name))
+
+
+def _name(classifier: Classifier) -> str:
+    return classifier.predicate.name
+
+
+def _sorted(demos: Sequence[Demo]) -> tuple[Demo, ...]:
+    """By task, source, name and content; two demonstrations may not share source and name, which identify evidence."""
+    if not demos:
+        raise LearningError("there are no demonstrations to learn from")
+    ordered = tuple(sorted(demos, key=lambda d: (d.task, d.source, _natural(d.name), _digest(d))))
+    for where in sorted({d.where for d in ordered}):
+        if sum(d.where == where for d in ordered) > 1:
+            raise LearningError(f"two demonstrations are called '{where}': give their files different names")
+    return ordered
+
+
+def _natural(name: str) -> tuple[str, int]:
+    head = name.rstrip("0123456789")
+    return head, int(name[len(head) :] or 0)
+
+
+def _digest(demo: Demo) -> str:
+    sha = hashlib.sha256()
+    for array in (demo.times, demo.T_world_ee.vector(), demo.aperture, demo.gripper_closed, demo.T_world_objects.vector()):
+        sha.update(np.ascontiguousarray(array).tobytes())
+    return sha.hexdigest()
+
+
+class _Clock:
+    """Seconds per stage."""
+
+    def __init__(self, progress: Callable[[str], None] | None) -> None:
+        self.progress, self.spent, self._stage, self._since = progress, list[tuple[str, float]](), "", 0.0
+
+    def stage(self, name: str) -> None:
+        now = time.perf_counter()
+        if self._stage:
+            self.spent.append((self._stage, now - self._since))
+        self._stage, self._since = name, now
+        if name and self.progress is not None:
+            self.progress(name)

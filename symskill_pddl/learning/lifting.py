@@ -1,0 +1,126 @@
+"""From ground atoms to lifted ones: arguments by role, context objects by the best injective matching, intersections over a group."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import permutations, product
+
+from symskill_pddl.learning.naming import parameter_names, unique
+from symskill_pddl.learning.transitions import Transition
+from symskill_pddl.symbols import Atom, Parameter
+
+Tagged = frozenset[tuple[str, Atom]]
+"""Atoms with the set they belong to: 'pre', 'add', 'delete' or 'during'."""
+
+MAX_MATCHES = 3000
+
+
+@dataclass(frozen=True)
+class Lifted:
+    """What a group of transitions has in common. `bindings` maps variables to objects, one per transition."""
+
+    parameters: tuple[Parameter, ...]
+    n_args: int
+    pre: frozenset[Atom]
+    add: frozenset[Atom]
+    delete: frozenset[Atom]
+    during: frozenset[Atom]
+    bindings: tuple[dict[str, str], ...]
+
+    @property
+    def args(self) -> frozenset[str]:
+        """The variables of the moved object and its reference."""
+        return frozenset(p.name for p in self.parameters[: self.n_args])
+
+
+def lift(group: Sequence[Transition]) -> Lifted:
+    """Intersect the transitions of a group, variables matched so that as much as possible is shared.
+
+    The arguments of all transitions correspond by position. Every other object of the first transition is a context variable of its own;
+    in each following transition it stands for a different object of its type, or for none.
+    """
+    first = group[0]
+    others = sorted({a for _, atom in _tagged(first) for a in atom.args} - set(first.args))
+    names = parameter_names([*first.args, *others], first.demo.objects)
+    to_variable = {o: names[o] for o in (*first.args, *others)}
+    common = frozenset((tag, atom.substitute(to_variable)) for tag, atom in _tagged(first))
+    arg_variables = [names[a] for a in first.args]
+    context = {names[o]: first.demo.objects[o] for o in others}
+    bindings = [{v: o for o, v in to_variable.items()}]
+    for transition in group[1:]:
+        used = {a for _, atom in common for a in atom.args}
+        wanted = [v for v in context if v in used]
+        ground = dict(zip(transition.args, arg_variables, strict=True))
+        match = _best_match(common, transition, ground, wanted, context)
+        common = common & frozenset((tag, atom.substitute(match)) for tag, atom in _tagged(transition))
+        bindings.append({v: o for o, v in match.items()})
+    used = {a for _, atom in common for a in atom.args}
+    kept = [*arg_variables, *(v for v in context if v in used)]
+    types = {**{names[a]: first.demo.objects[a] for a in first.args}, **context}
+    # ?food-2 may have lost its ?food: number again
+    clean = dict(zip(kept, unique(_stem(v, types) for v in kept), strict=True))
+    sets: dict[str, set[Atom]] = defaultdict(set)
+    for tag, atom in common:
+        sets[tag].add(atom.substitute(clean))
+    return Lifted(
+        tuple(Parameter(clean[v], types[v]) for v in kept),
+        len(arg_variables),
+        frozenset(sets["pre"]),
+        frozenset(sets["add"]),
+        frozenset(sets["delete"]),
+        frozenset(sets["during"]),
+        tuple({clean[v]: o for v, o in binding.items() if v in clean} for binding in bindings),
+    )
+
+
+def _stem(variable: str, types: Mapping[str, str]) -> str:
+    return next(iter(parameter_names([variable], types).values()))
+
+
+def _tagged(t: Transition) -> Tagged:
+    return frozenset(
+        [("pre", a) for a in t.before]
+        + [("add", a) for a in t.after - t.before]
+        + [("delete", a) for a in t.before - t.after]
+        + [("during", a) for a in t.during]
+    )
+
+
+def _best_match(
+    common: Tagged, transition: Transition, ground: Mapping[str, str], wanted: Sequence[str], context: Mapping[str, str]
+) -> dict[str, str]:
+    """Object -> variable for the arguments and as many context variables as help; deterministic."""
+    seen = sorted({a for _, atom in _tagged(transition) for a in atom.args} - set(ground))
+    types = transition.demo.objects
+    by_type: dict[str, list[str]] = defaultdict(list)
+    for variable in wanted:
+        by_type[context[variable]].append(variable)
+    choices = []
+    for type_, variables in sorted(by_type.items()):
+        pool = [o for o in seen if types[o] == type_]
+        padded: list[str | None] = [*pool, *[None] * max(len(variables) - len(pool), 0)]
+        choices.append([dict(zip(variables, pick, strict=True)) for pick in permutations(padded, len(variables))])
+    tagged = _tagged(transition)
+
+    def score(assignment: Sequence[Mapping[str, str | None]]) -> int:
+        to_variable = dict(ground)
+        for part in assignment:
+            to_variable.update({o: v for v, o in part.items() if o is not None})
+        return sum((tag, atom.substitute(to_variable)) in common for tag, atom in tagged)
+
+    size = 1
+    for options in choices:
+        size *= len(options)
+    if size <= MAX_MATCHES:
+        best: Sequence[Mapping[str, str | None]] = max(product(*choices), key=score)
+    else:  # one type after the other, twice round
+        current = [options[0] for options in choices]
+        for k in [*range(len(choices)), *range(len(choices))]:
+            current[k] = max(choices[k], key=lambda part: score([*current[:k], part, *current[k + 1 :]]))  # noqa: B023
+        best = current
+    result = dict(ground)
+    for part in best:
+        result.update({o: v for v, o in part.items() if o is not None})
+    return result

@@ -1,0 +1,162 @@
+"""Readable names, derived from types and geometry alone: unique, and the same for the same data."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from symskill_pddl.learning.predicates import Contact, Label, Place, Relations
+from symskill_pddl.learning.references import Extents
+
+TURN_IN_PLACE_M = 0.12
+"""What the gripper turns this near to its hinge is a knob or a lever; farther away, a door."""
+
+
+def slug(text: str) -> str:
+    """A type's name as part of a PDDL name: lower case, letters, digits and single hyphens, a letter first."""
+    plain = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
+    return plain if plain[:1].isalpha() else f"t-{plain}"
+
+
+def unique(names: Iterable[str]) -> tuple[str, ...]:
+    """The names in order, repeated ones numbered from 2; a number never collides with a name that is there already."""
+    names = list(names)
+    taken, out = set(names), []
+    seen: dict[str, int] = {}
+    for name in names:
+        seen[name] = seen.get(name, 0) + 1
+        chosen = name
+        while seen[name] > 1 and (chosen := f"{name}-{seen[name]}") in taken:
+            seen[name] += 1
+        taken.add(chosen)
+        out.append(chosen)
+    return tuple(out)
+
+
+def place_names(relations: Relations, extents: Extents) -> tuple[str, ...]:
+    """One name per place: `door-closed`, `door-ajar`, `door-open`, `food-in-cabinet`, `food-on-counter`."""
+    names = [""] * len(relations.places)
+    for pair in sorted({p.types for p in relations.places}):
+        of_pair = [i for i, p in enumerate(relations.places) if p.types == pair]
+        jointed = relations.places[of_pair[0]].joint is not None
+        made = _states(relations, of_pair) if jointed else _positions(relations.places, of_pair, extents)
+        for i, name in made.items():
+            names[i] = name
+    # a hinged type with two reference types: say which
+    for i, place in enumerate(relations.places):
+        if names.count(names[i]) > 1 and place.joint is not None:
+            names[i] = f"{names[i]}-at-{slug(place.types[1])}"
+    return unique(names)
+
+
+def _states(relations: Relations, members: Sequence[int]) -> dict[int, str]:
+    """Joint positions in words, by their distance from the reference's own orientation (or origin)."""
+    places = relations.places
+    child = slug(places[members[0]].types[0])
+
+    def opening(i: int) -> float:
+        p = places[i]
+        return abs(p.coordinate) if p.joint is not None and p.joint.kind == "hinge" else float(np.linalg.norm(p.shape.T_mean.p))
+
+    ranked = sorted(members, key=lambda i: (opening(i), i))
+    least, between, most = ("unturned", "half-turned", "turned") if _turns(relations, members) else ("closed", "ajar", "open")
+    if len(ranked) == 1:
+        joint = places[ranked[0]].joint
+        shut = joint is None or joint.kind == "slide" or opening(ranked[0]) < np.radians(20.0)
+        return {ranked[0]: f"{child}-{least if shut else most}"}
+    words = [least, *[between if k == 0 else f"{between}-{k + 1}" for k in range(len(ranked) - 2)], most]
+    return {i: f"{child}-{word}" for i, word in zip(ranked, words, strict=True)}
+
+
+def _turns(relations: Relations, members: Sequence[int]) -> bool:
+    """Whether the gripper acts near the hinge's axis."""
+    arms = []
+    for label in relations.labels:
+        at = label.end if label.end in members else label.start
+        if at is None or at not in members:
+            continue
+        place = relations.places[at]
+        if place.joint is None or place.joint.kind != "hinge":
+            return False
+        grip = place.shape.T_mean.apply(relations.contacts[label.contact].shape.T_mean.p) - place.joint.point
+        arms.append(float(np.linalg.norm(grip - place.joint.axis * (grip @ place.joint.axis))))
+    return bool(arms) and float(np.median(arms)) < TURN_IN_PLACE_M
+
+
+def _positions(places: Sequence[Place], members: Sequence[int], extents: Extents) -> dict[int, str]:
+    """Free rests: in, on or at, and low or high where the heights tell several apart."""
+    names = {}
+    ranked = sorted(members, key=lambda i: (round(float(places[i].shape.T_mean.p[2]), 3), *places[i].shape.T_mean.p.tolist()))
+    for rank, i in enumerate(ranked):
+        child, ref = places[i].types
+        name = f"{slug(child)}-{_preposition(places[i], extents)}-{slug(ref)}"
+        if len(ranked) == 2:
+            name += ("-low", "-high")[rank]
+        elif len(ranked) > 2:
+            name += f"-{rank + 1}"
+        names[i] = name
+    return names
+
+
+def _preposition(place: Place, extents: Extents) -> str:
+    half = extents.get(place.types[1])
+    if half is None:
+        return "at"
+    p = place.shape.T_mean.p
+    if np.all(np.abs(p) <= np.array(half)):
+        return "in"
+    return "on" if p[2] > half[2] and np.all(np.abs(p[:2]) <= np.array(half[:2])) else "at"
+
+
+def contact_names(relations: Relations, places: Sequence[str]) -> tuple[str, ...]:
+    """One name per contact: `gripper-holds-food`; pushes that lead to different states `gripper-at-door-to-close`, `...-to-open`."""
+    names = []
+    for k, contact in enumerate(relations.contacts):
+        base = f"gripper-{'holds' if contact.held else 'at'}-{slug(contact.type)}"
+        rivals = [c for c in relations.contacts if c.type == contact.type and c.held == contact.held]
+        ends = {label.end for label in relations.labels if label.contact == k and label.end is not None}
+        if len(rivals) > 1 and contact.articulated and len(ends) == 1:
+            base += f"-to-{_verb(_state(places[ends.pop()], contact.type))}"
+        names.append(base)
+    return unique(names)
+
+
+def _state(place: str, type_: str) -> str:
+    """What a place's name says beyond the object's type: `closed`, `in-cabinet`."""
+    return place.removeprefix(f"{slug(type_)}-")
+
+
+def _verb(state: str) -> str:
+    return {"closed": "close", "turned": "turn", "unturned": "turn-back", "half-turned": "half-turn"}.get(state, state)
+
+
+def operator_name(label: Label, moves: bool, relations: Relations, places: Sequence[str]) -> tuple[str, str]:
+    """Name and kind of an operator: 'pick' or 'reach' before the motion, 'place' or 'move' for it (`moves`)."""
+    contact = relations.contacts[label.contact]
+    type_ = slug(contact.type)
+    if not moves:
+        state = None if label.start is None else _state(places[label.start], contact.type)
+        if contact.articulated:
+            return f"reach-{type_}" + (f"-{state}" if state else ""), "reach"
+        if contact.held:
+            return f"pick-{type_}" + (f"-from-{_without_preposition(state)}" if state else ""), "pick"
+        return f"reach-{type_}" + (f"-{state}" if state else ""), "reach"
+    state = _state(places[label.end], contact.type) if label.end is not None else "away"
+    if contact.articulated:
+        verb = _verb(state)
+        if verb in ("open", "close", "turn"):
+            return f"{verb}-{type_}", "move"
+        return (f"turn-{type_}-back" if verb == "turn-back" else f"move-{type_}-{state}"), "move"
+    return (f"place-{type_}-{state}", "place") if contact.held else (f"push-{type_}-{state}", "move")
+
+
+def _without_preposition(state: str) -> str:
+    return re.sub(r"^(in|on|at)-", "", state)
+
+
+def parameter_names(objects: Sequence[str], types: Mapping[str, str]) -> dict[str, str]:
+    """A variable for each object by its type: ``?food``, ``?food-2`` for the second of a type."""
+    names = unique(f"?{slug(types[o])}" for o in objects)
+    return dict(zip(objects, names, strict=True))

@@ -1,0 +1,267 @@
+"""Groups of transitions into operators: effects, strict and refined preconditions, maintain conditions (METHOD section 5)."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symskill_pddl.abstraction import Classifier
+from symskill_pddl.demos import Demo
+from symskill_pddl.learning.lifting import Lifted, lift
+from symskill_pddl.learning.naming import operator_name, slug, unique
+from symskill_pddl.learning.predicates import Relations
+from symskill_pddl.learning.references import Extents
+from symskill_pddl.learning.transitions import Transition
+from symskill_pddl.library import Evidence, LearnedOperator
+from symskill_pddl.scene import GRIPPER
+from symskill_pddl.symbols import Absent, Atom, Operator, Parameter, State
+
+
+@dataclass(frozen=True)
+class OperatorConfig:
+    """What is odd, and what counts as room for a second object."""
+
+    odd_of: int = 3
+    """A transition that one demonstration shows, of a task with at least this many, is odd and left out."""
+    default_half_m: float = 0.03
+    """Half size of objects whose extents are not known."""
+
+
+@dataclass(frozen=True, eq=False)
+class OperatorGroup:
+    """A learned operator and the transitions that it stands for."""
+
+    learned: LearnedOperator
+    transitions: tuple[Transition, ...]
+    bindings: tuple[dict[str, str], ...]
+
+
+def learn_operators(
+    found: Sequence[Transition],
+    demos: Sequence[Demo],
+    relations: Relations,
+    classifiers: Sequence[Classifier],
+    places: Sequence[str],
+    contacts: Sequence[str],
+    extents: Extents,
+    config: OperatorConfig | None = None,
+) -> tuple[tuple[OperatorGroup, ...], tuple[str, ...]]:
+    """One operator per group of transitions with the same lifted effects, and notes on what was left out."""
+    config = config or OperatorConfig()
+    shown = Counter(demo.task for demo in demos)
+    groups: dict[tuple[str, ...], list[Transition]] = defaultdict(list)
+    for t in found:
+        label = t.label
+        place, ref = (label.end, label.end_ref) if t.moves else (label.start, label.start_ref)
+        key = (
+            t.label.episode.type,
+            "1" if t.moves else "0",
+            contacts[label.contact],
+            places[place] if place is not None else "",
+            t.demo.objects[ref] if ref is not None else "",
+        )
+        groups[key].append(t)
+    notes, kept = [], []
+    for key in sorted(groups):
+        group = groups[key]
+        seen_in = {t.demo.where for t in group}
+        if len(seen_in) == 1 and shown[group[0].demo.task] >= config.odd_of:
+            name = operator_name(group[0].label, group[0].moves, relations, places)[0]
+            notes.append(f"{name}: only {seen_in.pop()} of {shown[group[0].demo.task]} demonstrations of its task shows it; left out")
+        else:
+            kept.append(group)
+    names = unique(operator_name(g[0].label, g[0].moves, relations, places)[0] for g in kept)
+    states = [(t, s) for t in found for s in (t.before, t.after)]
+    learned = [
+        _operator(name, g, states, relations, classifiers, places, contacts, extents, config) for name, g in zip(names, kept, strict=True)
+    ]
+    return tuple(_mutex(learned, relations, places, contacts)), tuple(notes)
+
+
+def _operator(
+    name: str,
+    group: Sequence[Transition],
+    states: Sequence[tuple[Transition, State]],
+    relations: Relations,
+    classifiers: Sequence[Classifier],
+    places: Sequence[str],
+    contacts: Sequence[str],
+    extents: Extents,
+    config: OperatorConfig,
+) -> OperatorGroup:
+    notes: list[str] = []
+    lifted = lift(group)
+    moved = lifted.parameters[0]
+    contact = contacts[group[0].label.contact]
+    add, delete = _effects(lifted, group, contact, contacts, notes)
+    own = lifted.args | {v for atom in add | delete for v in atom.variables}
+    positive = set()
+    for atom in sorted(lifted.pre):
+        reason = _coincidence(atom, own, moved, lifted.parameters)
+        if reason:
+            notes.append(f"dropped precondition {atom}: {reason}")
+        else:
+            positive.add(atom)
+    absent = _negatives(group, lifted, positive, states, classifiers, extents, notes, config)
+    kept_variables = own | {v for atom in positive for v in atom.variables}
+    parameters = tuple(p for p in lifted.parameters if p.name in kept_variables)
+    during = frozenset(
+        atom
+        for atom in lifted.during
+        if set(atom.variables) <= kept_variables and not _coincidence(atom, own, moved, lifted.parameters)
+    )
+    durations = [t.duration_s for t in group]
+    operator = Operator(
+        name=name,
+        parameters=parameters,
+        pre=frozenset(positive),
+        add=add,
+        delete=delete,
+        maintain=during,
+        absent=absent,
+        cost=max(round(float(np.mean(durations)), 1), 0.1),
+    )
+    kind = operator_name(group[0].label, group[0].moves, relations, places)[1]
+    names = [p.name for p in parameters]
+    evidence = tuple(
+        Evidence(
+            t.demo.where,
+            round(float(t.demo.times[t.begin]), 4),
+            round(float(t.demo.times[t.end]), 4),
+            tuple((v, binding[v]) for v in names if v in binding),
+        )
+        for t, binding in zip(group, lifted.bindings, strict=True)
+    )
+    learned = LearnedOperator(
+        operator=operator,
+        strict_pre=lifted.pre,
+        skill=name,
+        kind=kind,
+        evidence=evidence,
+        duration_s=(float(np.mean(durations)), float(np.max(durations))),
+        notes=tuple(notes),
+    )
+    return OperatorGroup(learned, tuple(group), lifted.bindings)
+
+
+def _effects(
+    lifted: Lifted, group: Sequence[Transition], contact: str, contacts: Sequence[str], notes: list[str]
+) -> tuple[frozenset[Atom], frozenset[Atom]]:
+    """The intersections, less what cannot be an effect: a second contact, and coincidences where a single transition is all there is."""
+    moved = lifted.parameters[0].name
+    riders = {v for binding, t in zip(lifted.bindings, group, strict=True) for v, o in binding.items() if o in t.label.episode.passengers}
+    kept: dict[str, set[Atom]] = {"adds": set(), "deletes": set()}
+    for what, atoms in (("adds", lifted.add), ("deletes", lifted.delete)):
+        for atom in sorted(atoms):
+            foreign = atom.predicate in contacts and atom.predicate != contact
+            about = not atom.args or moved in atom.args or bool(riders & set(atom.args))
+            unbound = what == "adds" and not set(atom.variables) <= lifted.args | {v for a in lifted.pre for v in a.variables}
+            if foreign or unbound or (len(group) == 1 and not about):
+                reason = "one contact at a time" if foreign else "a coincidence"
+                notes.append(f"dropped effect: {what} {atom}: {reason}")
+            else:
+                kept[what].add(atom)
+    return frozenset(kept["adds"]), frozenset(kept["deletes"])
+
+
+def _coincidence(atom: Atom, own: frozenset[str] | set[str], moved: Parameter, parameters: Sequence[Parameter]) -> str | None:
+    """Why a positive precondition is none, or None if it may be one."""
+    if not atom.args:
+        return None
+    if not own & set(atom.args):
+        return "about nothing that the operator is about"
+    types = {p.name: p.type for p in parameters}
+    if any(v not in own and types.get(v) == moved.type for v in atom.args):
+        return f"another {moved.type} enables nothing"
+    return None
+
+
+def _negatives(
+    group: Sequence[Transition],
+    lifted: Lifted,
+    positive: set[Atom],
+    states: Sequence[tuple[Transition, State]],
+    classifiers: Sequence[Classifier],
+    extents: Extents,
+    notes: list[str],
+    config: OperatorConfig,
+) -> frozenset[Absent]:
+    """Relations of other objects to the operator's own that hold elsewhere in the data but never where it begins."""
+    found = set()
+    inside = {id(t) for t in group}
+    elsewhere = [(t, s) for t, s in states if id(t) not in inside]
+    arguments = lifted.parameters[: lifted.n_args]
+    for c in classifiers:
+        if c.child == GRIPPER:
+            continue
+        siblings = {d.predicate.name for d in classifiers if (d.child, d.parent) == (c.child, c.parent)}
+        for position, parameter in enumerate(arguments):
+            if parameter.type != c.parent:
+                continue
+            if c.child == arguments[0].type and position > 0 and _room(c, extents, config):
+                continue  # others of the moved kind may be there too: there is room
+            if any(a.predicate in siblings and a.args[1] == parameter.name for a in positive):
+                continue  # where it has to be is a precondition already
+            witnesses = _witnesses(group, c.child)
+            if not witnesses or any(_related(t, t.before, c, t.args[position]) for t in witnesses):
+                continue
+            if any(_related_any(s, c) for _, s in elsewhere):
+                variable = "?other" if c.child == arguments[0].type else f"?any-{slug(c.child)}"
+                atom = Atom(c.predicate.name, (variable, parameter.name))
+                found.add(Absent(atom, (Parameter(variable, c.child),)))
+                notes.append(f"added precondition: no {c.child} with {atom}, as in all its demonstrations")
+    return frozenset(found)
+
+
+def _witnesses(group: Sequence[Transition], type_: str) -> list[Transition]:
+    """Transitions whose scene holds another object of the type, so that its absence there means something."""
+    return [t for t in group if any(has == type_ and o not in t.args for o, has in t.demo.objects.items())]
+
+
+def _related(t: Transition, state: State, c: Classifier, obj: str) -> bool:
+    """Whether some object other than the transition's arguments stands in the relation to `obj`."""
+    return any(a.predicate == c.predicate.name and a.args[1] == obj and a.args[0] not in t.args for a in state)
+
+
+def _related_any(state: State, c: Classifier) -> bool:
+    return any(a.predicate == c.predicate.name for a in state)
+
+
+def _room(c: Classifier, extents: Extents, config: OperatorConfig) -> bool:
+    """Whether two such objects fit into the region that the predicate covers."""
+    half = max(extents.get(c.child, (config.default_half_m,) * 3)[:2])
+    return float(np.sqrt(np.linalg.eigvalsh(c.cov_p)[-1])) * c.enter_p > 2.0 * half
+
+
+def _mutex(groups: Sequence[OperatorGroup], relations: Relations, places: Sequence[str], contacts: Sequence[str]) -> list[OperatorGroup]:
+    """Complete what the data did not show: an object comes to one place of a reference, so it is at no other place of it.
+
+    A pick deletes where the object was. Only where some pick of the same contact does not (it began at no known place) can the object still
+    count as being there when it is put down; then the place operator deletes the other places of its reference type.
+    """
+    result = []
+    blind = {
+        g.transitions[0].label.contact for g in groups if not g.transitions[0].moves and g.transitions[0].label.start is None
+    }
+    for g in groups:
+        label, op = g.transitions[0].label, g.learned.operator
+        if not g.transitions[0].moves or label.contact not in blind or label.end is None:
+            result.append(g)
+            continue
+        own = relations.places[label.end]
+        args = tuple(p.name for p in op.parameters[:2])
+        more = {Atom(places[i], args) for i, p in enumerate(relations.places) if p.types == own.types and i != label.end} - op.delete
+        notes = tuple(f"added effect: not {atom}, an object is at one place of a reference" for atom in sorted(more))
+        operator = Operator(op.name, op.parameters, op.pre, op.add, op.delete | more, op.maintain, op.absent, op.cost)
+        old = g.learned
+        learned = LearnedOperator(
+            operator, old.strict_pre, old.skill, old.kind, old.evidence, old.duration_s, (*old.notes, *notes)
+        )
+        result.append(OperatorGroup(learned, g.transitions, g.bindings))
+    return result
+
+
+__all__ = ["OperatorConfig", "OperatorGroup", "learn_operators"]

@@ -1,0 +1,202 @@
+"""Demonstrated end-effector paths of an operator into a skill: fields per stretch of one finger command (METHOD section 6).
+
+Pick: the approach from t_0 to contact, in the moved object's frame. Place: the motion from first to last movement of the object, in the
+reference's frame, then the retreat in the object's frame. Within each part the path is cut where the finger command changes; stretches in
+which the hand hardly moves (it waits for the fingers) disappear, and what remains of the commands says what the fingers do at the end.
+
+People's detours are taken out: if most demonstrations come closer to the end all the time, loops in the others (a second approach, a
+regrasp) are cut off. Retreats are cut to a common length, since hands wander off to different places.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from symskill_pddl.errors import CertificateError, LearningError
+from symskill_pddl.geometry import Pose, karcher_mean, rotation_distance
+from symskill_pddl.learning.operators import OperatorGroup
+from symskill_pddl.learning.transitions import Transition
+from symskill_pddl.skills import FitConfig, Phase, Skill, Trajectory, fit_phases
+
+
+@dataclass(frozen=True)
+class SkillConfig:
+    """What counts as a movement of the hand, as a detour, and how exactly phases end."""
+
+    fit: FitConfig = field(default_factory=FitConfig)
+    still_m: float = 0.012
+    still_rad: float = float(np.radians(8.0))
+    """A stretch in which the hand moves less than this is a wait."""
+    detour_m: float = 0.03
+    """Going away from the end by more than this is a detour, unless most demonstrations do."""
+    join_m: float = 0.06
+    """A loop is cut out if its ends are this near to each other; else the path begins after it."""
+    retreat_quantile: float = 0.25
+    """Retreats are cut at this quantile of the distances they reach."""
+    approach_m: tuple[float, float] = (0.003, 0.008)
+    approach_rad: tuple[float, float] = (float(np.radians(2.0)), float(np.radians(5.0)))
+    motion_m: tuple[float, float] = (0.006, 0.012)
+    motion_rad: tuple[float, float] = (float(np.radians(3.0)), float(np.radians(7.0)))
+    retreat_m: tuple[float, float] = (0.02, 0.04)
+    retreat_rad: tuple[float, float] = (float(np.radians(8.0)), float(np.radians(15.0)))
+    """Bounds of the tolerances, which follow the spread of the demonstrated ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """A piece of one demonstration under one finger command: 'approach', 'motion' or 'retreat'."""
+
+    part: str
+    closed: bool
+    path: Trajectory
+
+
+def learn_skill(group: OperatorGroup, config: SkillConfig | None = None) -> tuple[Skill, tuple[str, ...]]:
+    """The skill of an operator, and notes on demonstrations that were left out of it.
+
+    Raises
+    ------
+    LearningError
+        If the hand does not move in the demonstrations, or no stable field fits them; the message names the operator.
+    """
+    config = config or SkillConfig()
+    name = group.learned.operator.name
+    shown = [_stretches(t, config) for t in group.transitions]
+    patterns = [(tuple((s.part, s.closed) for s in stretches), end) for stretches, end in shown]
+    counts = Counter(patterns)
+    pattern = max(sorted(counts, key=str), key=lambda p: counts[p])
+    notes = tuple(
+        f"{t.demo.where}: the fingers do something else than in most demonstrations; left out of the skill"
+        for t, p in zip(group.transitions, patterns, strict=True)
+        if p != pattern
+    )
+    if not pattern[0]:
+        raise LearningError(f"operator '{name}': the hand does not move in its demonstrations, there is no skill to learn")
+    fitting = [stretches for (stretches, _), p in zip(shown, patterns, strict=True) if p == pattern]
+    parameters = group.learned.operator.parameters
+    phases: list[Phase] = []
+    for k, (part, closed) in enumerate(pattern[0]):
+        paths = [stretches[k].path for stretches in fitting]
+        paths = _common_length(paths, config) if part == "retreat" else _direct(paths, config)
+        frame = parameters[1] if part == "motion" and len(parameters) > 1 else parameters[0]
+        tolerance_p, tolerance_r = _tolerances(paths, part, config)
+        try:
+            with threadpool_limits(1):
+                phases += fit_phases(paths, frame.name, closed, tolerance_p, tolerance_r, config.fit)
+        except CertificateError as error:
+            raise CertificateError(f"operator '{name}', {part}: {error}") from error
+    return Skill(tuple(phases), pattern[1]), notes
+
+
+def _stretches(t: Transition, config: SkillConfig) -> tuple[tuple[Stretch, ...], bool]:
+    """The stretches of one demonstration, and the finger command after the last one."""
+    e = t.label.episode
+    command = e.demo.gripper_closed
+    found: list[Stretch] = []
+    if not t.moves:
+        rest = e.before.T_world_obj if e.before is not None else e.demo.pose(e.obj)[e.start]
+        found += _runs("approach", t.begin, e.start, rest.inverse() @ e.demo.T_world_ee, t, config)
+        return tuple(found), bool(command[min(e.start, len(command) - 1)])
+    reference = _reference(t)
+    found += _runs("motion", e.start, e.stop - 1, reference.inverse() @ e.demo.T_world_ee, t, config)
+    rest = e.after.T_world_obj if e.after is not None else e.demo.pose(e.obj)[e.stop - 1]
+    last = max(e.end, t.end)
+    found += _runs("retreat", e.stop - 1, last, rest.inverse() @ e.demo.T_world_ee, t, config)
+    return tuple(found), bool(command[last])
+
+
+def _reference(t: Transition) -> Pose:
+    """`T_world_ref` (n,): constant where the reference stands still during the motion, so that its noise does not enter."""
+    e, ref = t.label.episode, t.label.ref
+    if ref is None:
+        return Pose.stack([Pose.identity()] * len(e.demo))
+    T = e.demo.pose(ref)
+    span = T[e.start : e.stop]
+    mean = Pose(np.median(span.p, axis=0), karcher_mean(span.q))
+    moved = np.linalg.norm(span.p - mean.p, axis=-1).max() > 0.01 or rotation_distance(span, mean).max() > np.radians(5.0)
+    return T if moved else Pose.stack([mean] * len(e.demo))
+
+
+def _runs(part: str, first: int, last: int, T_frame_ee: Pose, t: Transition, config: SkillConfig) -> list[Stretch]:
+    """Samples [first, last] cut at changes of the finger command, waits left out."""
+    command = t.demo.gripper_closed[first : last + 1]
+    cuts = [first, *(first + 1 + np.flatnonzero(np.diff(command.astype(np.int8)))).tolist(), last + 1]
+    found: list[Stretch] = []
+    for a, b in zip(cuts, cuts[1:], strict=False):
+        T = T_frame_ee[a:b]
+        far = np.linalg.norm(T.p - T.p[0], axis=-1).max() > config.still_m
+        turned = rotation_distance(T, T[0]).max() > config.still_rad
+        if not (far or turned):
+            continue
+        stretch = Stretch(part, bool(t.demo.gripper_closed[a]), Trajectory(t.demo.times[a:b], T))
+        if found and found[-1].closed == stretch.closed:  # only a wait lay between them
+            joined = (found[-1].path, stretch.path)
+            path = Trajectory(
+                np.concatenate([p.times for p in joined]),
+                Pose(np.concatenate([p.T_frame_ee.p for p in joined]), np.concatenate([p.T_frame_ee.q for p in joined])),
+            )
+            found[-1] = Stretch(part, stretch.closed, path)
+        else:
+            found.append(stretch)
+    return found
+
+
+def _direct(paths: Sequence[Trajectory], config: SkillConfig) -> list[Trajectory]:
+    """Loops cut out of the paths that have one, if most have none."""
+    kept = [_progressing(p, config.detour_m) for p in paths]
+    looping = [not mask.all() for mask in kept]
+    if sum(looping) * 2 > len(paths):
+        return list(paths)
+    return [_without_loops(p, mask, config) if loops else p for p, mask, loops in zip(paths, kept, looping, strict=True)]
+
+
+def _progressing(path: Trajectory, slack_m: float) -> NDArray[np.bool_]:
+    """Samples that are not nearer to the end than any later one is (with slack): what is left of a path without its loops."""
+    distance = np.linalg.norm(path.T_frame_ee.p - path.T_frame_ee.p[-1], axis=-1)
+    later = np.maximum.accumulate(distance[::-1])[::-1]
+    if np.all(distance >= later - slack_m):
+        return np.ones(len(path), dtype=bool)
+    return np.asarray(distance >= later - 0.003)
+
+
+def _without_loops(path: Trajectory, mask: NDArray[np.bool_], config: SkillConfig) -> Trajectory:
+    index = np.flatnonzero(mask)
+    jumps = np.linalg.norm(np.diff(path.T_frame_ee.p[index], axis=0), axis=-1)
+    wide = np.flatnonzero(jumps > config.join_m)
+    if len(wide):
+        index = index[wide[-1] + 1 :]
+    steps = np.diff(path.times)
+    usual = float(np.median(steps))
+    times = np.concatenate([[0.0], np.cumsum(np.where(np.diff(index) > 1, usual, np.diff(path.times[index])))])
+    return Trajectory(times, path.T_frame_ee[index])
+
+
+def _common_length(paths: Sequence[Trajectory], config: SkillConfig) -> list[Trajectory]:
+    """Every path cut where it is as far from its start as a short one among them gets."""
+    distances = [np.linalg.norm(p.T_frame_ee.p - p.T_frame_ee.p[0], axis=-1) for p in paths]
+    reach = float(np.quantile([d.max() for d in distances], config.retreat_quantile))
+    out = []
+    for path, distance in zip(paths, distances, strict=True):
+        beyond = np.flatnonzero(distance >= reach - 1e-9)
+        out.append(path.cut(0, max(int(beyond[0]), 1)) if len(beyond) else path)
+    return out
+
+
+def _tolerances(paths: Sequence[Trajectory], part: str, config: SkillConfig) -> tuple[float, float]:
+    """Spread of the ends, within the part's bounds [m], [rad]."""
+    ends = Pose.stack([p.end for p in paths])
+    spread_p = float(np.sqrt(ends.p.var(axis=0).sum()))
+    mean = Pose(ends.p.mean(axis=0), karcher_mean(ends.q))
+    spread_r = float(np.sqrt(np.mean(rotation_distance(ends, mean) ** 2)))
+    bounds = {
+        "approach": (config.approach_m, config.approach_rad),
+        "motion": (config.motion_m, config.motion_rad),
+        "retreat": (config.retreat_m, config.retreat_rad),
+    }[part]
+    return float(np.clip(spread_p, *bounds[0])), float(np.clip(spread_r, *bounds[1]))

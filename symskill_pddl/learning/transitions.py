@@ -1,0 +1,143 @@
+"""Two transitions per episode: the pick (premotion, up to lift-off) and the place (motion, up to exit); METHOD section 5."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symskill_pddl.abstraction import Classifier, GripperRule, abstract_recording
+from symskill_pddl.demos import Demo
+from symskill_pddl.learning.predicates import Label, Relations
+from symskill_pddl.symbols import GRIPPER_OPEN, Atom, State
+
+FINGERS_LATE_S = 2.0
+"""Fingers that open within this time after a retreat belong to it: a fist, for instance, is often undone only when it is clear."""
+
+Truth = Mapping[Atom, NDArray[np.bool_]]
+
+
+@dataclass(frozen=True, eq=False)
+class Transition:
+    """One operator seen once: samples [begin, end] of a demonstration.
+
+    Attributes
+    ----------
+    moves : bool
+        False for the premotion, True for the motion.
+    label : Label
+    begin, end : int
+        Samples of s0 and s1.
+    before, after : State
+        s0 and s1.
+    during : State
+        What holds at every sample of [begin, end).
+    args : tuple of str
+        Moved object, then the reference.
+    """
+
+    moves: bool
+    label: Label
+    begin: int
+    end: int
+    before: State
+    after: State
+    during: State
+    args: tuple[str, ...]
+
+    @property
+    def demo(self) -> Demo:
+        return self.label.episode.demo
+
+    @property
+    def duration_s(self) -> float:
+        return float(self.demo.times[self.end] - self.demo.times[self.begin])
+
+
+def gripper_rule(demos: Sequence[Demo]) -> GripperRule:
+    """`gripper-open` for this hand: three quarters of its widest opening, down to 60 %."""
+    widest = max(float(np.quantile(d.aperture, 0.98)) for d in demos)
+    return GripperRule(round(0.75 * widest, 4), round(0.60 * widest, 4)) if widest > 0.005 else GripperRule()
+
+
+def truth_of(demo: Demo, classifiers: Sequence[Classifier], gripper: GripperRule) -> Truth:
+    """The truth (n,) of every atom that ever holds in a demonstration."""
+    return abstract_recording(
+        demo.objects, demo.T_world_ee, demo.aperture, demo.gripper_closed, demo.T_world_objects, classifiers, gripper=gripper
+    )
+
+
+def state_at(truth: Truth, i: int) -> State:
+    return frozenset(atom for atom, value in truth.items() if value[i])
+
+
+def transitions(
+    relations: Relations, truths: Mapping[str, Truth], places: Sequence[str], contacts: Sequence[str]
+) -> tuple[tuple[Transition, ...], tuple[str, ...]]:
+    """Every transition that shows what its labels say, and a note on each that does not."""
+    found: list[Transition] = []
+    notes: list[str] = []
+    free_since: dict[str, int] = {}
+    for label in relations.labels:
+        e = label.episode
+        truth = truths[e.demo.where]
+        holds = Atom(contacts[label.contact], (e.obj,))
+        start = None if label.start is None or label.start_ref is None else Atom(places[label.start], (e.obj, label.start_ref))
+        end = None if label.end is None or label.end_ref is None else Atom(places[label.end], (e.obj, label.end_ref))
+        never = np.zeros(len(e.demo), dtype=bool)
+        closes = relations.contacts[label.contact].closes
+        lift = _first(
+            truth.get(holds, never)
+            & ~(truth.get(start, never) if start is not None else never)
+            & (~truth[Atom(GRIPPER_OPEN)] if closes and Atom(GRIPPER_OPEN) in truth else ~never),
+            e.start,
+            e.stop,
+        )
+        begin = max(e.begin, free_since.get(e.demo.where, 0))
+        if lift is None:
+            notes.append(f"{e}: {holds} without {start or 'its start'} never shows during the motion; left out")
+            continue
+        pick = _transition(truth, False, label, begin, lift, tuple(filter(None, (e.obj, label.start_ref))))
+        if start is None or start in pick.before:
+            found.append(pick)
+        else:
+            notes.append(f"{e}: {start} does not hold when the hand sets out; its approach is left out")
+        if end is None:
+            continue
+        leaves = ~truth[holds]
+        opens = truth.get(Atom(GRIPPER_OPEN), never)
+        until = _fingers_until(label, relations.labels)
+        if closes and (leaves & opens)[e.stop : until].any():
+            leaves = leaves & opens
+        exit_ = _first(leaves, e.stop, len(e.demo))
+        if exit_ is None:
+            notes.append(f"{e}: the recording ends before the gripper has left; the motion is left out")
+            continue
+        free_since[e.demo.where] = exit_
+        place = _transition(truth, True, label, lift, exit_, tuple(filter(None, (e.obj, label.end_ref))))
+        if end in place.after:
+            found.append(place)
+        else:
+            notes.append(f"{e}: {end} does not hold when the gripper has left; the motion is left out")
+    return tuple(found), tuple(notes)
+
+
+def _fingers_until(label: Label, labels: Sequence[Label]) -> int:
+    """Up to which sample a change of the fingers still belongs to this episode: a while after its retreat, not into the next motion."""
+    e = label.episode
+    late = int(np.searchsorted(e.demo.times, e.demo.times[min(e.end, len(e.demo) - 1)] + FINGERS_LATE_S))
+    following = [other.episode.start for other in labels if other.episode.demo is e.demo and other.episode.start >= e.stop]
+    return min([late, len(e.demo), *following])
+
+
+def _first(mask: NDArray[np.bool_], start: int, stop: int) -> int | None:
+    inside = mask[start:stop]
+    return start + int(np.argmax(inside)) if inside.any() else None
+
+
+def _transition(truth: Truth, moves: bool, label: Label, begin: int, end: int, args: tuple[str, ...]) -> Transition:
+    span = slice(begin, max(end, begin + 1))
+    during = frozenset(atom for atom, value in truth.items() if value[span].all())
+    return Transition(moves, label, begin, end, state_at(truth, begin), state_at(truth, end), during, args)
