@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from symskill_pddl.abstraction import abstract
-from symskill_pddl.errors import InputError
 from symskill_pddl.evaluation.goals import goal_atoms
 from symskill_pddl.evaluation.results import EpisodeResult
 from symskill_pddl.execution.config import ExecutionConfig
@@ -99,10 +98,7 @@ def stated_goal(text: str, domain: Domain, objects: dict[str, str]) -> State:
     types = {names.objects[name]: names.types.get(kind, kind) for name, kind in objects.items()}
     # an object may also be called what it is called in the scene, unless that is another thing's exported name
     types |= {name: names.types.get(kind, kind) for name, kind in objects.items() if name not in types}
-    atoms = read_atoms(text, exported, types, "--goal")
-    if not atoms:
-        raise InputError("--goal: no atom; expected something like '(predicate object ...)'")
-    return names.inverse().atoms(atoms)
+    return names.inverse().atoms(read_atoms(text, exported, types, "--goal"))
 
 
 def run_episode(

@@ -1,0 +1,80 @@
+from pathlib import Path
+
+import pytest
+
+from symskill_pddl.errors import InputError, MissingDependencyError
+from symskill_pddl.evaluation import suite as suites
+from symskill_pddl.evaluation.suite import ERROR, Suite, run_one, run_suite, tasks_named
+from symskill_pddl.kitchen import TASKS
+from symskill_pddl.library import Library
+
+EMPTY = Library((), (), (), {})
+
+
+def load_empty(path: Path) -> Library:
+    assert path == Path("library")
+    return EMPTY
+
+
+def test_tasks_are_all_or_named() -> None:
+    assert tasks_named("all") == tuple(TASKS)
+    assert tasks_named("StoreCheese, OpenSingleDoor") == ("StoreCheese", "OpenSingleDoor")
+    with pytest.raises(InputError, match="no task named"):
+        tasks_named(" , ")
+
+
+def test_a_suite_has_every_task_with_every_seed() -> None:
+    suite = Suite(("OpenSingleDoor", "StoreCheese"), trials=2, seed=7)
+    assert suite.episodes == (("OpenSingleDoor", 7), ("OpenSingleDoor", 8), ("StoreCheese", 7), ("StoreCheese", 8))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"tasks": ()}, "one or more different tasks"),
+        ({"tasks": ("StoreCheese", "StoreCheese")}, "different tasks"),
+        ({"tasks": ("StoreMoon",)}, "unknown task 'StoreMoon'"),
+        ({"trials": 0}, "at least one trial"),
+        ({"seed": -1}, "seed"),
+        ({"planner": "oracle"}, "unknown planner"),
+        ({"disturbances": ("earthquake@t=1",)}, "earthquake"),
+    ],
+)
+def test_a_wrong_suite_is_refused_before_it_runs(arguments: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Suite(**{"tasks": ("StoreCheese",), "trials": 1, "seed": 0, **arguments})  # type: ignore[arg-type]
+
+
+def test_jobs_have_to_be_positive() -> None:
+    with pytest.raises(InputError, match="job"):
+        run_suite(load_empty, Path("library"), Suite(("StoreCheese",), 1, 0), jobs=0)
+
+
+def test_what_cannot_be_set_up_is_a_failure_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise InputError("no episode within reach")
+
+    monkeypatch.setattr(suites, "prepare", refuse)
+    results = run_suite(load_empty, Path("library"), Suite(("StoreCheese",), 3, 5))
+    (task,) = results.tasks
+    assert task.failures == {ERROR: 3}
+    assert [(e.seed, e.reason) for e in task.episodes] == [(s, "no episode within reach") for s in (5, 6, 7)]
+
+
+def test_a_missing_package_is_no_failed_episode(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise MissingDependencyError("robosuite is not installed")
+
+    monkeypatch.setattr(suites, "prepare", refuse)
+    with pytest.raises(MissingDependencyError):
+        run_one(EMPTY, Suite(("StoreCheese",), 1, 0), "StoreCheese", 0)
+
+
+@pytest.mark.simulation
+def test_results_do_not_depend_on_the_number_of_processes() -> None:
+    # an empty library has no goals, so nothing is simulated for long, but every process sets its episodes up
+    suite = Suite(("StoreCheese", "OpenSingleDoor"), trials=2, seed=3)
+    alone = run_suite(load_empty, Path("library"), suite, jobs=1)
+    assert run_suite(load_empty, Path("library"), suite, jobs=2).dumps() == alone.dumps()
+    assert alone.tasks[0].failures == {ERROR: 2}
+    assert "learned no goal" in alone.tasks[0].episodes[0].reason
