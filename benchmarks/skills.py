@@ -2,10 +2,11 @@
 
     python benchmarks/skills.py FOLDER [--demos N] [--single-field]
 
-FOLDER holds `*.npy` arrays (demos, samples, 7): position [cm], quaternion w x y z, ends aligned, no time stamps. Every fifth sample is used
-and a demonstration is taken to last 10 s. Measured on the training demonstrations:
+FOLDER holds `*.npy` arrays (demos, samples, 7): position [cm], quaternion w x y z, ends aligned, no time stamps. Every fifth
+sample is used and a demonstration is taken to last 10 s. Measured on the training demonstrations:
 
-- position [cm] and orientation [deg]: mean error of the rollout from each demonstration's start, along the alignment by dynamic time
+- position [cm] and orientation [deg]: mean error of the rollout from each demonstration's start, along the alignment by
+dynamic time
   warping of the positions (orientation also along its own alignment, in brackets);
 - converged: share of 15 rollouts within 0.5 cm and 3 deg of the goal after at most 3 times the demonstration's time, from starts
   disturbed by 10 cm and 45 deg, and by 30 cm and any rotation;
@@ -133,6 +134,7 @@ def measure(trajectories: list[Trajectory], config: FitConfig, rng: np.random.Ge
 
 
 def main() -> None:
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--demos", type=int, default=9)

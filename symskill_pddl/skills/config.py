@@ -11,9 +11,9 @@ from symskill_pddl.errors import InputError
 class FitConfig:
     """How motion fields are fitted.
 
-    Path and pace are kept apart: the matrices are fitted to the demonstrated *directions*, with a speed proportional to the way that
-    remains (`gain_hz` times it), and the demonstrated *speed* enters as a cap that scales the field and never turns it. A slow end of a
-    demonstration thus neither makes the execution crawl nor bends its path.
+    Path and pace are kept apart: the matrices are fitted to the demonstrated *directions*, with a speed proportional to the
+    way that remains (`gain_hz` times it), and the demonstrated *speed* enters as a cap that scales the field and never turns
+    it. A slow end of a demonstration thus neither makes the execution crawl nor bends its path.
     """
 
     period_s: float = 0.05
@@ -21,7 +21,9 @@ class FitConfig:
     gain_hz: float = 3.0
     """Speed per remaining way [1/s]; its inverse is the time constant of the last centimetres."""
     rate_hz: float = 1.0
-    """Certified rate alpha [1/s]: the distance in the learned metric falls at least as fast as exp(-alpha t) below the speed cap."""
+    """Certified rate alpha [1/s]: the distance in the learned metric falls at least as fast as exp(-alpha t) below the speed
+    cap.
+    """
     max_components: int = 6
     """Largest number of linear systems in a field."""
     samples: int = 80

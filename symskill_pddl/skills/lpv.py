@@ -136,7 +136,9 @@ def fit_lpv(
 
 
 def rollout(lpv: Lpv, starts: Array, shown: Array, config: FitConfig, advance: Callable[[Array, Array], Array]) -> Array:
-    """The geometry (demos, steps, 3) of the motions from `starts` (demos, 3), in even steps along the way; timing plays no part."""
+    """The geometry (demos, steps, 3) of the motions from `starts` (demos, 3), in even steps along the way; timing plays no
+    part.
+    """
     length = np.linalg.norm(np.diff(shown, axis=1), axis=-1).sum(1).max()
     stride, e, way = length / 60, starts, [starts]
     for _ in range(90):

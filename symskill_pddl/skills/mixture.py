@@ -54,8 +54,8 @@ class Mixture:
 def fit_mixture(x: Array, progress: Array, size: int, floor: float, iterations: int = 30) -> Mixture:
     """Expectation maximisation from slices of the path.
 
-    The components start as `size` equal slices of the progress along the demonstrations, so no random start is needed, and the result
-    does not depend on a seed.
+    The components start as `size` equal slices of the progress along the demonstrations, so no random start is needed, and the
+    result does not depend on a seed.
 
     Parameters
     ----------

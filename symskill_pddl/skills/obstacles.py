@@ -1,9 +1,9 @@
 """Ellipsoids that bend a velocity around themselves.
 
-The modulation of Khansari-Zadeh and Billard (2012) with the reference direction of Huber et al. (2019): the velocity is split into the
-direction from the obstacle's centre and the plane tangent to its surface; the first part fades towards the surface, the second does not.
-With the surface normal in place of the first direction, a flat obstacle would hold the motion in front of it.
-`Gamma = ||d / radii||^(2 power)` has no unit: it is 1 on the surface whatever the lengths are measured in.
+The modulation of Khansari-Zadeh and Billard (2012) with the reference direction of Huber et al. (2019): the velocity is split
+into the direction from the obstacle's centre and the plane tangent to its surface; the first part fades towards the surface,
+the second does not. With the surface normal in place of the first direction, a flat obstacle would hold the motion in front of
+it. `Gamma = ||d / radii||^(2 power)` has no unit: it is 1 on the surface whatever the lengths are measured in.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ _ESCAPE = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Ellipsoid:
-    """An obstacle: pose of its centre and axes, half lengths `radii` (3,) [m], `velocity` (3,) [m/s] of its centre in world axes."""
+    """An obstacle: pose of its centre and axes, half lengths `radii` (3,) [m], `velocity` (3,) [m/s] of its centre in world
+    axes.
+    """
 
     T_world: Pose
     radii: Array
@@ -60,9 +62,10 @@ class Ellipsoid:
 def modulate(velocity: ArrayLike, x: ArrayLike, obstacles: Sequence[Ellipsoid], *, power: float = 2.0) -> Array:
     """Bend `velocity` (3,) [m/s] at the point x (3,) [m] around the obstacles.
 
-    Outside, the result never points into a surface it touches, relative to the obstacle's own motion, and is no faster than the given one
-    in that sense; it is zero where the velocity is, so an attractor outside the obstacles stays one. Inside, it leads out.
-    Several obstacles are weighed by nearness; on the surface of one, that one decides alone. A robot with an extent adds it to the radii.
+    Outside, the result never points into a surface it touches, relative to the obstacle's own motion, and is no faster than
+    the given one in that sense; it is zero where the velocity is, so an attractor outside the obstacles stays one. Inside, it
+    leads out. Several obstacles are weighed by nearness; on the surface of one, that one decides alone. A robot with an extent
+    adds it to the radii.
 
     Parameters
     ----------
@@ -94,18 +97,19 @@ def modulate(velocity: ArrayLike, x: ArrayLike, obstacles: Sequence[Ellipsoid], 
 def _single(v: Array, speed: float, level: float, out: Array, normal: Array, near: float, obstacle: Ellipsoid) -> Array:
     along = float(v @ normal) / float(out @ normal)  # v = along * out + tangent, tangent in the surface's plane
     tangent = v - along * out
+    if level >= 1.0 and along >= 0.0:
+        return v
+    # head-on, nothing leads around: a sideways push, decided by the obstacle's thinnest way
+    size = float(np.sqrt(tangent @ tangent))
+    lack = _ESCAPE * near * speed - size
+    if lack > 0.0:
+        tangent = tangent + lack * (tangent / size if size > 1e-6 * speed else _sideways(normal, obstacle))
     if level < 1.0:
-        # inside: outwards at the full speed, keeping what already leads along the surface
-        bent = speed * out + 0.5 * tangent
-    elif along >= 0.0:
-        bent = v
+        # inside: outwards, the faster the deeper
+        outwards = max(along, 0.0) + speed * min(1.0, 0.1 + 5.0 * (1.0 - level))
     else:
-        # head-on, nothing leads around: a sideways push, decided by the obstacle's thinnest way
-        size = float(np.sqrt(tangent @ tangent))
-        lack = _ESCAPE * near * speed - size
-        if lack > 0.0:
-            tangent = tangent + lack * (tangent / size if size > 1e-6 * speed else _sideways(normal, obstacle))
-        bent = (1.0 - near) * along * out + (1.0 + near) * tangent
+        outwards = (1.0 - near) * along
+    bent = outwards * out + (1.0 + near) * tangent
     length = float(np.sqrt(bent @ bent))
     return bent * (speed / length) if length > speed else bent
 
@@ -122,7 +126,9 @@ def _sideways(normal: Array, obstacle: Ellipsoid) -> Array:
 
 
 def _mean(nominal: Array, velocities: Sequence[Array], weights: Array) -> Array:
-    """Weighted mean of sizes and of directions, the latter as angles from the nominal direction, so that opposite ones do not cancel."""
+    """Weighted mean of sizes and of directions, the latter as angles from the nominal direction, so that opposite ones do not
+    cancel.
+    """
     if len(velocities) == 1:
         return velocities[0]
     size, turn = 0.0, np.zeros(3)

@@ -1,4 +1,6 @@
-"""`OrientationField`: how the hand turns. A mixture of linear systems on the rotation error (paper, "Learning Stable SE(3) Policy")."""
+"""`OrientationField`: how the hand turns. A mixture of linear systems on the rotation error (paper, "Learning Stable SE(3)
+Policy").
+"""
 
 from __future__ import annotations
 
@@ -21,9 +23,9 @@ from symskill_pddl.skills.trajectory import Trajectory, orientation_path
 class OrientationField:
     """`omega = sum_k gamma_k(e) B_k e` with `e = log(q q*^-1)`, scaled down to the speed cap.
 
-    The sign of q q*^-1 is folded, so q and -q give the same velocity. The Lyapunov function is |e|^2: in the plain metric its rate is
-    2 e . omega, exactly, however large the angle is; in any other it is not. One Euler step on the rotation group leaves the angle no
-    larger than the same step in the tangent space would, because the group is curved positively.
+    The sign of q q*^-1 is folded, so q and -q give the same velocity. The Lyapunov function is |e|^2: in the plain metric its
+    rate is 2 e . omega, exactly, however large the angle is; in any other it is not. One Euler step on the rotation group
+    leaves the angle no larger than the same step in the tangent space would, because the group is curved positively.
 
     Attributes
     ----------

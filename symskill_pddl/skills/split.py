@@ -1,7 +1,8 @@
 """From demonstrations to fields: one where one follows them, several in sequence where none can.
 
-A stable field approaches its goal all the time. Demonstrations that first move away (down, below a shelf, up) cannot be followed by one
-field; they are cut at a common via pose, and each part gets its own. Whether a field follows is judged by its rollouts.
+A stable field approaches its goal all the time. Demonstrations that first move away (down, below a shelf, up) cannot be
+followed by one field; they are cut at a common via pose, and each part gets its own. Whether a field follows is judged by its
+rollouts.
 """
 
 from __future__ import annotations
@@ -64,7 +65,9 @@ def fit_phases(
     tolerance_r: float,
     config: FitConfig = FitConfig(),
 ) -> tuple[Phase, ...]:
-    """The fields as phases of a skill: intermediate goals with the loose tolerances of the configuration, the last with the given ones."""
+    """The fields as phases of a skill: intermediate goals with the loose tolerances of the configuration, the last with the
+    given ones.
+    """
     fields, report = fit_reported(trajectories, config)
     last = len(fields) - 1
     return tuple(
@@ -115,8 +118,8 @@ def _split(whole: _Part, config: FitConfig) -> list[_Part]:
 class _Part:
     """A stretch of the demonstrations with its field.
 
-    `shown` (demos, samples, 6): error to the goal in units of the tolerances, evenly spaced along the way; `at` (demos, samples): the
-    trajectory index of each sample. Demonstrations that stay at the goal are left out of both.
+    `shown` (demos, samples, 6): error to the goal in units of the tolerances, evenly spaced along the way; `at` (demos,
+    samples): the trajectory index of each sample. Demonstrations that stay at the goal are left out of both.
     """
 
     trajectories: list[Trajectory]
@@ -182,7 +185,9 @@ def _worst(parts: Sequence[_Part]) -> float:
 
 
 def _scaled_errors(p: Array, q: Array, field: Field, config: FitConfig) -> Array:
-    """(..., 6) errors to the field's goal in units of the tolerances. The rotation does not wrap along a path of continuous signs."""
+    """(..., 6) errors to the field's goal in units of the tolerances. The rotation does not wrap along a path of continuous
+    signs.
+    """
     goal = field.orientation.goal
     relative = quat_multiply(q, quat_conjugate(goal))
     if relative.ndim > 1 and relative[-1, 0] < 0:
@@ -209,8 +214,8 @@ def rollout(field: Field, T_start: Pose, duration_s: float, period_s: float) -> 
 def _deviation(field: Field, trajectories: list[Trajectory], shown: Array, config: FitConfig) -> float:
     """How far rollouts and demonstrations part, in tolerances: three quarters of the demonstrations do better.
 
-    A rollout has to stay where any demonstration was, and to come past everything its own one did. Their own spread, the distance from
-    one demonstration to the nearest of the others, is taken off.
+    A rollout has to stay where any demonstration was, and to come past everything its own one did. Their own spread, the
+    distance from one demonstration to the nearest of the others, is taken off.
     """
     starts = Pose.stack([t.T_frame_ee[0] for t in trajectories])
     duration = 1.5 * max(t.duration_s for t in trajectories) + 1.0

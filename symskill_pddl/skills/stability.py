@@ -4,8 +4,9 @@ With P fixed and y = P^(1/2) x, every linear system reads y' = S_k y, and one co
 
     || I + h S_k ||_2 <= rho,   rho^2 = 1 - 2 alpha h,   h the control period.
 
-It is the discrete-time condition: an explicit Euler step shortens y by the factor rho, for any mixture weights and any speed cap, because
-the norm is convex. And it implies the continuous one, S_k + S_k^T <= -2 alpha I, that is A_k^T P + P A_k <= -2 alpha P.
+It is the discrete-time condition: an explicit Euler step shortens y by the factor rho, for any mixture weights and any speed
+cap, because the norm is convex. And it implies the continuous one, S_k + S_k^T <= -2 alpha I, that is A_k^T P + P A_k <= -2
+alpha P.
 """
 
 from __future__ import annotations
@@ -86,8 +87,8 @@ def certify(matrices: Array, P: Array, period_s: float, slack: float = 1e-6) -> 
 def fit_metric(x: Array, v: Array, max_condition: float) -> Array:
     """Learn P (3, 3), of trace 3, in which the cluster means move towards the goal ("convex policy learning", Li et al. 2025).
 
-    Minimises the sum of max(0, v^T P x + margin) over unit vectors v (n, 3) and x (n, 3), with a small pull to the identity that makes
-    the answer unique, P >= delta I and trace P = 3 (the scale of P is not free, its condition number is capped).
+    Minimises the sum of max(0, v^T P x + margin) over unit vectors v (n, 3) and x (n, 3), with a small pull to the identity
+    that makes the answer unique, P >= delta I and trace P = 3 (the scale of P is not free, its condition number is capped).
     """
     n = len(x)
     margin, pull = 0.05, 0.02 * n
