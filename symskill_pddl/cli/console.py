@@ -16,9 +16,13 @@ from rich.text import Text
 from symskill_pddl.errors import InputError
 
 
+WIDTH = 120
+"""Columns of a table that goes to a file or another program."""
+
+
 def out() -> Console:
     """Standard output, looked up at the time of the call; names and numbers are not coloured."""
-    return Console(highlight=False)
+    return Console(highlight=False, width=None if sys.stdout.isatty() else WIDTH)
 
 
 def say(text: str = "") -> None:

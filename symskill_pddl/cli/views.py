@@ -36,16 +36,16 @@ def predicate_rows(library: Library) -> Rows:
 
 
 def operator_table(library: Library) -> Table:
-    """Title, columns and rows of the operators."""
-    columns = ("operator", "needs", "brings about", "ends", "seen", "seconds")
-    return "Operators", columns, [_operator_row(learned) for learned in library.operators]
+    """The operators: name and parameters, what each needs and does, how often it was seen, and how long it takes."""
+    return "Operators", ("operator", "", "seen", "mean [s]"), [_operator_row(learned) for learned in library.operators]
 
 
 def _operator_row(learned: LearnedOperator) -> tuple[str, ...]:
     op = learned.operator
-    head = " ".join((op.name, *(f"{p.name} - {p.type}" for p in op.parameters)))
+    head = "\n".join((op.name, *(f"  {p.name} - {p.type}" for p in op.parameters)))
     needs = " ".join((atoms_text(op.pre), *(absent_text(a) for a in sorted(op.absent))))
-    return head, needs, atoms_text(op.add), atoms_text(op.delete), str(learned.support), f"{learned.duration_s[0]:.1f}"
+    does = f"needs {needs}\nadds  {atoms_text(op.add)}\nends  {atoms_text(op.delete)}"
+    return head, does, str(learned.support), f"{learned.duration_s[0]:.1f}"
 
 
 def skill_rows(library: Library) -> Rows:

@@ -57,7 +57,7 @@ def test_a_stated_goal_uses_the_names_of_the_scene_or_of_the_export(text: str) -
     [
         ("(inside cheese cabinet)", "unknown predicate 'inside'"),
         ("(in cheese fridge)", "unknown object 'fridge'"),
-        ("(in cabinet cheese)", "needs a food"),
+        ("(in cabinet cheese)", "needs the type food"),
         ("(in cheese)", "takes 2"),
         ("(in cheese", "never closed"),
         ("", "at least one atom"),
