@@ -15,13 +15,15 @@ from symskill_pddl.abstraction import Debounced, abstract
 from symskill_pddl.execution.config import MotionConfig
 from symskill_pddl.execution.recovery import backed_off, near, servo, way_back
 from symskill_pddl.execution.runner import Fingers
-from symskill_pddl.geometry import Pose, rotation_distance
+from symskill_pddl.geometry import Array, Pose, rotation_distance
 from symskill_pddl.library import Library
 from symskill_pddl.scene import Command, Scene, World
 from symskill_pddl.symbols import State
 
 _PATH_SPACING_M = 0.005
 _REST_WINDOW_S = 0.25
+_MOVING_M_S = 0.02
+"""Below this an object's velocity is taken for noise."""
 
 
 class Body:
@@ -90,6 +92,14 @@ class Body:
             rotation_distance(now.T_world_objects, then.T_world_objects) < 0.035
         )
         return frozenset(name for name, rests in zip(now.objects, still, strict=True) if rests and name in self._objects)
+
+    def velocities(self) -> Mapping[str, Array]:
+        """Linear velocities (3,) [m/s] of the objects that move, in world axes, over the last quarter of a second."""
+        then, now = self._recent[0], self.scene
+        if now.time <= then.time:
+            return {}
+        v = (now.T_world_objects.p - then.T_world_objects.p) / (now.time - then.time)
+        return {name: v[i] for i, name in enumerate(now.objects) if np.linalg.norm(v[i]) > _MOVING_M_S}
 
     def hold(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
         """Stay where one is, fingers as they are, at most this long; whether `until` came true."""

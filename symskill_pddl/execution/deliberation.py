@@ -139,6 +139,12 @@ class Deliberation:
         self._body.hold(0.3)
         self._journal.recovered("recover-open", reason, _ended(arrived), begin)
 
+    def clear(self, reason: str) -> None:
+        """The fingers have let go and the hand is still too near: back off along its own axis."""
+        begin = self._body.now
+        arrived = self._body.back_off(self._config.back_off_m)
+        self._journal.recovered("recover-clear", reason, _ended(arrived), begin)
+
     def _try_open(self, reason: str) -> Planned | None:
         if not self._belief.empty_fist(self._body.state):
             return None

@@ -18,7 +18,20 @@ from symskill_pddl.execution.body import Body
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.deliberation import Deliberation, Planned
 from symskill_pddl.execution.journal import Journal
-from symskill_pddl.execution.monitor import Continue, EffectsHold, JumpAhead, Memory, Tick, Verdict, Watch, check_start, judge
+from symskill_pddl.execution.monitor import (
+    Continue,
+    EffectsHold,
+    JumpAhead,
+    Memory,
+    OverTime,
+    Stalled,
+    Tick,
+    Verdict,
+    Watch,
+    check_start,
+    judge,
+    only_clearance_lacks,
+)
 from symskill_pddl.execution.outcome import Category, Outcome
 from symskill_pddl.execution.recovery import goal_shift, key_of
 from symskill_pddl.execution.runner import SkillRun, obstacles_of
@@ -186,6 +199,9 @@ class _Run:
                 case JumpAhead(index=ahead):
                     self.belief.jumped()
                     index = ahead
+                case Stalled() | OverTime() if only_clearance_lacks(watch, self.body.state):
+                    self.mind.clear(verdict.reason)
+                    return f"{watch.step}: {verdict.reason}"
                 case _:
                     self.belief.blame(watch, verdict)
                     return f"{watch.step}: {verdict.reason}"
@@ -227,7 +243,7 @@ class _Run:
         spared = frozenset(step.args) | self.belief.held(state)
 
         def obstacles(scene: Scene) -> Sequence[Ellipsoid]:
-            return obstacles_of(scene, self.library.extents, spared, config.motion)
+            return obstacles_of(scene, self.library.extents, spared, config.motion, self.body.velocities())
 
         avoided = obstacles if config.motion.avoid and self.library.extents else None
         run = SkillRun(skill, binding, self.body.scene, config.motion, shift=shift, obstacles=avoided)

@@ -263,6 +263,13 @@ def check_start(watch: Watch, state: State) -> Continue | EffectsHold | JumpAhea
     return Continue(f"preconditions hold{note}")
 
 
+def only_clearance_lacks(watch: Watch, state: State) -> bool:
+    """Whether all that keeps the effects from holding is that the open hand is still too near to what it let go of."""
+    left = watch.must_fall & state
+    near = bool(left) and all(a.predicate in watch.gripper for a in left)
+    return near and Atom(GRIPPER_OPEN) in state and watch.step.add <= state
+
+
 def judge(watch: Watch, tick: Tick, memory: Memory) -> Judgement:
     """The verdict on one tick of a running step. The first rule that applies decides.
 

@@ -191,17 +191,21 @@ def _inside(obstacle: Ellipsoid, point: Array) -> bool:
 
 
 def obstacles_of(
-    scene: Scene, extents: Mapping[str, tuple[float, float, float]], spared: frozenset[str], config: MotionConfig
+    scene: Scene,
+    extents: Mapping[str, tuple[float, float, float]],
+    spared: frozenset[str],
+    config: MotionConfig,
+    velocities: Mapping[str, Array] | None = None,
 ) -> tuple[Ellipsoid, ...]:
-    """Ellipsoids around the free-standing objects that a step has nothing to do with.
+    """Ellipsoids around the small free-standing objects that a step has nothing to do with.
 
-    The ellipsoid circumscribes half way between the box's faces and its corners, plus the clearance for the hand. `spared`
-    names the objects to leave out: the step's arguments and what is held.
+    An ellipsoid lies about half way between its box's faces and corners, plus the clearance for the hand. `spared` names the
+    objects to leave out: the step's arguments and what is held. `velocities` are those of the objects that move, (3,) [m/s].
     """
     found = []
     for i, (name, kind) in enumerate(scene.objects.items()):
         half = extents.get(kind)
         if name not in spared and half is not None and max(half) <= config.obstacle_limit:
             radii = 1.3 * np.asarray(half, float) + config.obstacle_clearance
-            found.append(Ellipsoid(scene.T_world_objects[i], radii))
+            found.append(Ellipsoid(scene.T_world_objects[i], radii, (velocities or {}).get(name, np.zeros(3))))
     return tuple(found)

@@ -5,7 +5,7 @@ import pytest
 from fake_world import CABINET, COUNTER, DOWN, HOME, OBJECTS, FakeWorld, at, atoms, handle, make_library, phase
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.execution.config import ExecutionConfig
+from symskill_pddl.execution.config import ExecutionConfig, MotionConfig
 from symskill_pddl.execution.executor import execute
 from symskill_pddl.execution.outcome import Category
 from symskill_pddl.execution.trace import TraceWriter, read_trace, replay
@@ -183,6 +183,33 @@ class TestFailures:
         assert "place-on-counter" in names(outcome)
         assert next(s.verdict for s in outcome.steps if "place-on" in s.step) in ("Stalled", "Violation")
         assert outcome.success
+
+    def test_a_hand_that_stays_too_near_backs_off(self):
+        # a skill without an exit: the food is in its place, the fingers are open, and the hand is still around it
+        short = Skill((phase("?cabinet", Pose([0, 0, 0.05], DOWN), True),), False)
+        library = replace(LIBRARY, skills={**LIBRARY.skills, "place-cabinet": short})
+        outcome = run(FakeWorld(angle=1.5), library=library)
+        assert outcome.success
+        assert outcome.recoveries == ("recover-clear",)
+        assert verdicts(outcome) == ["EffectsHold", "Stalled"]
+
+    def test_obstacles_are_flowed_around(self):
+        on_the_way = at(0.325, 0.125, 0.475)
+        nearest = {}
+        for avoid in (True, False):
+            world = FakeWorld(cheese=on_the_way)
+            config = ExecutionConfig(motion=MotionConfig(avoid=avoid))
+            gaps = []
+            outcome = run(
+                world,
+                atoms("door-open door cabinet"),
+                replace(LIBRARY, extents={"food": (0.02, 0.02, 0.02)}),
+                config,
+                on_event=lambda line, world=world, gaps=gaps: gaps.append(np.linalg.norm(world.ee.p - on_the_way.p)),
+            )
+            assert outcome.success
+            nearest[avoid] = min(gaps)
+        assert nearest[False] < 0.03 < 0.06 < nearest[True]
 
     def test_a_hand_that_cannot_move_runs_out_of_time_and_of_plans(self):
         world = FakeWorld()

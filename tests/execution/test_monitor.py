@@ -3,6 +3,8 @@ import sys
 
 import pytest
 from fake_world import atoms
+from hypothesis import given
+from hypothesis import strategies as st
 
 from symskill_pddl.execution.monitor import (
     Blame,
@@ -18,6 +20,7 @@ from symskill_pddl.execution.monitor import (
     Watch,
     check_start,
     judge,
+    only_clearance_lacks,
     pending_deletes,
 )
 from symskill_pddl.symbols import GroundOperator
@@ -280,6 +283,50 @@ class TestStart:
 
     def test_the_rest_has_come_about(self):
         assert check_start(watch(PICK, [PLACE]), PLACED).index == 2
+
+
+UNIVERSE = sorted(PICK.pre | PLACE.pre | PLACE.add | CLOSE.add)
+STATES = st.frozensets(st.sampled_from(UNIVERSE))
+TICKS = st.lists(
+    st.builds(
+        Tick,
+        now_s=st.floats(0, 20),
+        state=STATES,
+        stage=st.integers(0, 2),
+        stage_s=st.floats(0, 5),
+        settling=st.booleans(),
+        closing=st.booleans(),
+        speed=st.sampled_from([0.0, 0.2]),
+        turn=st.sampled_from([0.0, 0.2]),
+    ),
+    max_size=8,
+)
+
+
+@given(start=STATES, ticks=TICKS, which=st.sampled_from([PICK, PLACE, CLOSE]))
+def test_laws(start, ticks, which):
+    w = watch(which, [PLACE, CLOSE], state=start, inherited="at x counter")
+    ticks = sorted(ticks, key=lambda t: t.now_s)
+    found = verdicts(w, *ticks)
+    assert found == verdicts(w, *ticks)
+    for t, verdict in zip(ticks, found, strict=True):
+        assert verdict.reason
+        done = w.step.add <= t.state and not w.must_fall & t.state
+        assert done or not isinstance(verdict, EffectsHold)
+        assert not done or isinstance(verdict, EffectsHold | Continue)
+        if isinstance(verdict, Violation):
+            assert verdict.atoms
+            assert not set(verdict.atoms) & t.state
+        if isinstance(verdict, JumpAhead):
+            assert 2 <= verdict.index <= 3
+
+
+def test_only_clearance_lacks():
+    w = watch(PLACE, state=HELD)
+    assert only_clearance_lacks(w, PLACED | atoms("holds x"))
+    assert not only_clearance_lacks(w, PLACED)
+    assert not only_clearance_lacks(w, (PLACED | atoms("holds x")) - atoms("gripper-open"))
+    assert not only_clearance_lacks(w, atoms("holds x", "gripper-open"))
 
 
 def test_needs_no_numpy():

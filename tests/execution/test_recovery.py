@@ -127,7 +127,7 @@ def test_caps_scale_and_never_turn():
 
 def test_way_back():
     path = [Pose([x, 0, 0], [1.0, 0, 0, 0]) for x in np.linspace(0, 1, 201)]
-    back = way_back(path, 0.1, spacing_m=0.02)
+    back = way_back(path, 0.095, spacing_m=0.02)
     assert [round(float(T.p[0]), 6) for T in back] == [0.98, 0.96, 0.94, 0.92, 0.9]
     assert way_back([], 1.0) == ()
     assert way_back(path, np.inf)[-1].p[0] < 0.02

@@ -140,7 +140,10 @@ def test_obstacles_are_the_small_things_one_has_nothing_to_do_with():
     assert len(found) == 1
     assert np.allclose(found[0].T_world.p, scene.pose("cheese").p)
     assert np.all(found[0].radii > np.array(extents["food"]) + CONFIG.obstacle_clearance)
+    assert np.all(found[0].velocity == 0)
     assert obstacles_of(scene, extents, frozenset(OBJECTS), CONFIG) == ()
+    (moving,) = obstacles_of(scene, extents, frozenset({"counter"}), CONFIG, {"cheese": np.array([0.1, 0, 0])})
+    assert np.allclose(moving.velocity, [0.1, 0, 0])
 
 
 def test_an_unbound_frame_is_refused():
