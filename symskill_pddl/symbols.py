@@ -294,13 +294,13 @@ def check_atom(domain: Domain, atom: Atom, types: Mapping[str, str], where: str)
         raise InputError(f"{where}: {error}") from None
     if len(atom.args) != len(predicate.types):
         signature = " ".join((predicate.name, *predicate.types))
-        raise InputError(f"{where}: {atom} has {len(atom.args)} arguments, it takes {len(predicate.types)}: ({signature})")
+        raise InputError(f"{where}: ({signature}) takes {len(predicate.types)} arguments, got {len(atom.args)}: {atom}")
     for arg, expected in zip(atom.args, predicate.types, strict=True):
         if arg not in types:
             what = "variable" if arg.startswith("?") else "object"
             raise InputError(f"{where}: {atom} names the unknown {what} '{arg}'; there are: {alternatives(types)}")
         if not domain.is_a(types[arg], expected):
-            raise InputError(f"{where}: {atom} needs a {expected} where '{arg}' is a {types[arg]}")
+            raise InputError(f"{where}: {atom} needs the type {expected} where '{arg}' is of type {types[arg]}")
 
 
 def check_domain(domain: Domain) -> None:

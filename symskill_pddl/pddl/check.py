@@ -1,8 +1,8 @@
 """What a person changed in an exported domain, in words, and whether each action still has a skill.
 
-Renaming, reordering, more or fewer preconditions, other costs and subtypes are a person's right. An action that no skill belongs to,
-a parameter that a skill needs and is gone, and an effect that no demonstration supports are errors: the robot would do something
-else than the plan says.
+Renaming, reordering, more or fewer preconditions, other costs and subtypes are a person's right. An action that no skill belongs
+to, a parameter that a skill needs and is gone, and an effect that no demonstration supports are errors: the robot would do
+something else than the plan says.
 """
 
 from __future__ import annotations
@@ -211,7 +211,7 @@ def _nameless(conditions: Iterable[Absent]) -> frozenset[Absent]:
 def _renamed_parameters(old: Operator, new: Operator, *, all_effects: bool) -> dict[str, str] | None:
     """The renaming of parameters, by position, under which both operators have the same effects; None where there is none.
 
-    With `all_effects` a renaming that renames nothing counts too; else only a real one, which takes all names of one to the other's.
+    With `all_effects` a renaming that renames nothing counts too; else only one under which the set of names changes.
     """
     if [p.type for p in old.parameters] != [p.type for p in new.parameters]:
         return None

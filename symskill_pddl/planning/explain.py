@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import combinations
 
 from symskill_pddl.errors import alternatives
-from symskill_pddl.planning.grounding import reachable
+from symskill_pddl.planning.grounding import OutOfTimeError, TooLargeError, reachable
 from symskill_pddl.planning.protocol import Limits, Planner, Status
 from symskill_pddl.symbols import Atom, Domain, Operator, Problem
 
@@ -26,7 +27,10 @@ def explain(domain: Domain, problem: Problem, limits: Limits = Limits()) -> tupl
     InputError
         The problem does not fit the domain.
     """
-    _, reached = reachable(domain, problem, limit=limits.ground_operators)
+    try:
+        _, reached = reachable(domain, problem, deadline=time.monotonic() + limits.time_s, limit=limits.ground_operators)
+    except (OutOfTimeError, TooLargeError):
+        return ("the problem is too large to be explained within the limits",)
     lines: list[str] = []
     asked: set[Atom] = set()
     for atom in sorted(problem.goal - reached.keys()):
@@ -105,16 +109,23 @@ def _missing(op: Operator, binding: dict[str, str], reached: dict[Atom, int]) ->
     return missing
 
 
-def nearest_goal(domain: Domain, problem: Problem, planner: Planner, limits: Limits = Limits(time_s=1.0)) -> frozenset[Atom]:
-    """A largest part of the goal that the planner solves within the limits, per call; possibly empty.
+def nearest_goal(domain: Domain, problem: Problem, planner: Planner, limits: Limits = Limits(time_s=2.0)) -> frozenset[Atom]:
+    """A largest part of the goal that the planner solves within the limits, which are for all calls together; possibly empty.
 
     Subsets are tried from large to small up to eight goal atoms; longer goals are built up greedily, atom by atom.
     """
-    _, reached = reachable(domain, problem, limit=limits.ground_operators)
+    deadline = time.monotonic() + limits.time_s
+    try:
+        _, reached = reachable(domain, problem, deadline=deadline, limit=limits.ground_operators)
+    except (OutOfTimeError, TooLargeError):
+        return frozenset()
     atoms = sorted(a for a in problem.goal if a in reached)
 
     def solved(goal: Iterable[Atom]) -> bool:
-        return planner.solve(domain, replace(problem, goal=frozenset(goal)), limits).status is Status.SOLVED
+        left = deadline - time.monotonic()
+        if left <= 0.0:
+            return False
+        return planner.solve(domain, replace(problem, goal=frozenset(goal)), replace(limits, time_s=left)).status is Status.SOLVED
 
     if len(atoms) <= 8:
         for size in range(len(atoms), 0, -1):
@@ -129,7 +140,7 @@ def nearest_goal(domain: Domain, problem: Problem, planner: Planner, limits: Lim
     return frozenset(kept)
 
 
-def why_not(domain: Domain, problem: Problem, planner: Planner, limits: Limits = Limits(time_s=1.0)) -> tuple[str, ...]:
+def why_not(domain: Domain, problem: Problem, planner: Planner, limits: Limits = Limits(time_s=2.0)) -> tuple[str, ...]:
     """The lines of `explain`, and what the nearest reachable goal is; for a goal that a planner found unsolvable."""
     lines = list(explain(domain, problem, limits))
     nearest = nearest_goal(domain, problem, planner, limits)

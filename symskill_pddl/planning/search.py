@@ -3,8 +3,8 @@
 First best-first on ``g + h`` with the cost of FF's relaxed plan as h. It sees costs, so a step that was blamed for a failure is
 avoided where there is another way; as h can overestimate, plans are good but not proved to be the cheapest. Where `PATIENCE`
 does not see the end of it, a lazy greedy search with preferred operators follows (Helmert, 2006): larger problems get longer
-plans instead of none. ``optimal=True`` takes h_max, which cannot overestimate, and proves the cost at the price of time. Each proves
-unsolvability by exhausting the reachable states, or at once where even the relaxed problem has no plan.
+plans instead of none. ``optimal=True`` takes h_max, which cannot overestimate, and proves the cost at the price of time. Each
+proves unsolvability by exhausting the reachable states, or at once where even the relaxed problem has no plan.
 """
 
 from __future__ import annotations

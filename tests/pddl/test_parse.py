@@ -1,0 +1,207 @@
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from random_domains import atoms, covered_egg, domains, kitchen, problems
+
+from symskill_pddl.errors import ParseError
+from symskill_pddl.pddl import DIALECTS, exported, read_atoms, read_domain, read_problem, write_domain, write_problem
+from symskill_pddl.symbols import Absent, Atom, Domain, Operator, Parameter, Predicate, Problem, Type
+
+GOLDEN = Path(__file__).parent / "golden"
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.data(), st.sampled_from(DIALECTS))
+def test_writing_and_reading_is_identity(data, dialect):
+    domain = data.draw(domains(quantified=dialect != "strips"))
+    problem = data.draw(problems(domain))
+    form = exported(domain, dialect)
+    read = read_domain(write_domain(domain, dialect=dialect))
+    assert read == form.domain
+    assert read_problem(write_problem(problem, domain, dialect=dialect), read) == form.problem(problem)
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_the_kitchen_comes_back(dialect):
+    form = exported(kitchen(), dialect)
+    text = write_domain(kitchen(), dialect=dialect)
+    assert read_domain(text) == form.domain
+    assert read_domain(text.upper()) == form.domain
+    assert read_problem(write_problem(covered_egg(), kitchen(), dialect=dialect), form.domain) == form.problem(covered_egg())
+
+
+def test_what_others_write():
+    text = """
+    ; by hand
+    (DEFINE (DOMAIN Blocks) (:requirements :adl)
+      (:types block - object arm)
+      (:predicates (on ?x ?y - block) (free ?a - arm) (anything ?z))
+      (:functions (total-cost) - number)
+      (:action Stack :parameters (?x ?y - block ?a - arm)
+        :precondition (and (free ?a) (and (not (on ?y ?x)) (not (= ?x ?y)))
+                           (forall (?z - block) (and (not (on ?z ?y)) (not (on ?z ?x)))))
+        :effect (and (on ?x ?y) (increase (total-cost) 2.5)))
+      (:action noop :parameters () :precondition () :effect (and)))
+    """
+    z = (Parameter("?z", "block"),)
+    assert read_domain(text) == Domain(
+        "blocks",
+        (Type("block"), Type("arm")),
+        (Predicate("on", ("block", "block")), Predicate("free", ("arm",)), Predicate("anything", ("object",))),
+        (
+            Operator(
+                "stack",
+                (Parameter("?x", "block"), Parameter("?y", "block"), Parameter("?a", "arm")),
+                atoms("free ?a"),
+                atoms("on ?x ?y"),
+                frozenset(),
+                absent=frozenset({Absent(Atom("on", ("?y", "?x"))), *(Absent(Atom("on", ("?z", v)), z) for v in ("?x", "?y"))}),
+                cost=2.5,
+            ),
+            Operator("noop", (), frozenset(), frozenset(), frozenset()),
+        ),
+    )
+
+
+D = "(define (domain d) (:types pan) (:predicates (p ?x - pan) (q)) "
+A = D + "(:action a :parameters (?x - pan) "
+T = D + "(:durative-action a :parameters () :duration (= ?duration 1) "
+DOMAIN_ERRORS = {
+    "empty": "",
+    "not-a-list": "domain",
+    "not-define": "(domain d)",
+    "no-name": "(define (domain))",
+    "two-domains": "(define (domain d)) (define (domain e))",
+    "unclosed": "(define (domain d)\n  (:types a)",
+    "closed-twice": "(define (domain d)))",
+    "bad-character": '(define (domain d)\n  (:types "a"))',
+    "unknown-section": "(define (domain d) (:things a))",
+    "constants": "(define (domain d) (:constants a))",
+    "derived": D + "(:derived (q) (p a)))",
+    "requirement": "(define (domain d) (:requirements :strips :fluents))",
+    "second-section": "(define (domain d) (:types a) (:types b))",
+    "type-twice": "(define (domain d)\n  (:types a b\n   a))",
+    "unknown-parent": "(define (domain d) (:types a - b))",
+    "dangling-dash": "(define (domain d) (:types a -))",
+    "either": "(define (domain d) (:types a) (:predicates (p ?x - (either a b))))",
+    "predicate-twice": "(define (domain d) (:predicates (p) (p)))",
+    "predicate-unknown-type": "(define (domain d) (:types a) (:predicates (p ?x - b)))",
+    "predicate-argument": "(define (domain d) (:predicates (p x)))",
+    "function": "(define (domain d) (:functions (fuel) - number))",
+    "action-no-name": D + "(:action))",
+    "action-twice": D + "(:action a :parameters () :effect (q)) (:action a :parameters () :effect (q)))",
+    "action-key": D + "(:action a :params ()))",
+    "action-no-effect": D + "(:action a :parameters ()))",
+    "action-key-twice": D + "(:action a :parameters () :parameters ()))",
+    "action-key-alone": D + "(:action a :parameters))",
+    "parameter-twice": D + "(:action a :parameters (?x ?x - pan) :effect (q)))",
+    "unknown-predicate": A + "\n  :precondition (and (q)\n (on ?x)) :effect (q)))",
+    "unknown-variable": A + ":precondition (p ?y) :effect (q)))",
+    "arity": A + ":precondition (p ?x ?x) :effect (q)))",
+    "type": D + "(:action a :parameters (?x) :precondition (p ?x) :effect (q)))",
+    "or": A + ":precondition (or (q) (p ?x)) :effect (q)))",
+    "exists": A + ":precondition (exists (?y - pan) (p ?y)) :effect (q)))",
+    "forall-positive": A + ":precondition (forall (?y - pan) (p ?y)) :effect (q)))",
+    "forall-short": A + ":precondition (forall (?y - pan)) :effect (q)))",
+    "equality": A + ":precondition (= ?x ?x) :effect (q)))",
+    "inequality": A + ":precondition (not (= ?x ?z)) :effect (q)))",
+    "not-two": A + ":precondition (not (q) (q)) :effect (q)))",
+    "when": A + ":effect (when (q) (p ?x))))",
+    "forall-effect": A + ":effect (forall (?y - pan) (p ?y))))",
+    "increase": A + ":effect (increase (fuel) 1)))",
+    "negative-cost": A + ":effect (increase (total-cost) -1)))",
+    "cost-word": A + ":effect (increase (total-cost) much)))",
+    "word-as-effect": A + ":effect q))",
+    "duration": D + "(:durative-action a :parameters () :duration (<= ?duration 1) :effect (at end (q))))",
+    "no-duration": D + "(:durative-action a :parameters () :effect (at end (q))))",
+    "untimed": T + ":effect (q)))",
+    "at-end-condition": T + ":condition (at end (q)) :effect (at end (q))))",
+    "add-at-start": T + ":effect (at start (q))))",
+    "negative-over-all": T + ":condition (over all (not (q))) :effect (at end (q))))",
+}
+P = "(define (problem p) (:domain kitchen) (:objects egg - food pan-a - pan) "
+PROBLEM_ERRORS = {
+    "other-domain": "(define (problem p) (:domain garage) (:goal (and)))",
+    "no-goal": P + "(:init))",
+    "two-goals": P + "(:goal (gripper-open) (gripper-open)))",
+    "object-type": "(define (problem p) (:domain kitchen) (:objects egg - meal) (:goal (and)))",
+    "object-twice": "(define (problem p) (:domain kitchen) (:objects egg egg - food) (:goal (and)))",
+    "object-variable": "(define (problem p) (:domain kitchen) (:objects ?egg - food) (:goal (and)))",
+    "init-unknown-object": P + "(:init (food-in-pan egg\n pan-b)) (:goal (and)))",
+    "init-negative": P + "(:init (not (gripper-open))) (:goal (and)))",
+    "goal-type": P + "(:goal (and (food-in-pan pan-a egg))))",
+    "goal-or": P + "(:goal (or (gripper-open) (gripper-open))))",
+    "number": P + "(:init (= (fuel) 3)) (:goal (and)))",
+}
+ATOM_ERRORS = {
+    "nothing": " ; only a comment",
+    "word": "gripper-open",
+    "predicate": "(gripper-open) (fried egg)",
+    "object": "(food-in-pan egg wok)",
+    "arity": "(food-in-pan egg)",
+    "type": "(food-in-pan pan-a egg)",
+    "variable": "(food-in-pan ?food pan-a)",
+    "negative": "(not (gripper-open))",
+}
+
+
+def messages(cases, read):
+    lines = []
+    for name, text in cases.items():
+        with pytest.raises(ParseError) as caught:
+            read(text)
+        assert "\n" not in str(caught.value)
+        lines.append(f"{name}: {caught.value}")
+    return "".join(line + "\n" for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("name", "cases", "read"),
+    [
+        ("domain", DOMAIN_ERRORS, lambda text: read_domain(text, "d.pddl")),
+        ("problem", PROBLEM_ERRORS, lambda text: read_problem(text, kitchen(), "p.pddl")),
+        ("atoms", ATOM_ERRORS, lambda text: read_atoms(text, kitchen(), covered_egg().object_types, "--goal")),
+    ],
+)
+def test_error_texts(name, cases, read):
+    assert messages(cases, read) == (GOLDEN / f"{name}_errors.txt").read_text()
+
+
+def test_an_error_carries_its_place():
+    with pytest.raises(ParseError) as caught:
+        read_domain("(define (domain d)\n  (:types a - b))", "d.pddl")
+    assert (caught.value.source, caught.value.line, caught.value.column) == ("d.pddl", 2, 15)
+
+
+@given(st.text(alphabet="()?:- \n;abdefinot=", max_size=80))
+def test_any_text_is_read_or_refused_with_a_place(text):
+    for read in (read_domain, lambda t: read_problem(t, kitchen()), lambda t: read_atoms(t, kitchen(), {})):
+        with pytest.raises(ParseError) as caught:
+            read(text)
+        assert caught.value.line >= 1
+
+
+MUTANT = write_domain(kitchen(), dialect="costs")
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.integers(0, len(MUTANT) - 1), st.sampled_from(["", "(", ")", "?", " - ", " and ", " not ", "1"]))
+def test_a_damaged_domain_never_crashes(position, replacement):
+    with suppress(ParseError):
+        read_domain(MUTANT[:position] + replacement + MUTANT[position + 1 :])
+
+
+def test_goals_from_the_command_line():
+    objects = covered_egg().object_types
+    goal = atoms("food-in-pan egg pan-b, gripper-open")
+    assert read_atoms("(food-in-pan egg pan-b) (gripper-open)", kitchen(), objects) == goal
+    assert read_atoms("(and (Food-In-Pan egg PAN-b) (gripper-open))", kitchen(), objects) == goal
+
+
+def test_a_problem_may_leave_out_what_is_empty():
+    assert read_problem("(define (problem p) (:goal (gripper-open)))", kitchen()) == Problem(
+        "p", "kitchen", (), frozenset(), atoms("gripper-open")
+    )
