@@ -16,7 +16,7 @@ STAMP := $(VENV)/.installed
 export OMP_NUM_THREADS := 1
 export MUJOCO_GL := disabled
 
-.PHONY: help install demo test check format lint types contracts examples clean
+.PHONY: help install demo test check format lint types contracts examples demonstrations clean
 
 help:
 	@echo "make demo       install everything into $(VENV) and run the quickstart (writes symskill-out/)"
@@ -24,6 +24,7 @@ help:
 	@echo "make install    only the installation"
 	@echo "make lint       format check and lint;   make format   rewrite;   make types;   make contracts"
 	@echo "make examples   make domains/ and problems/ again from the shipped demonstrations"
+	@echo "make demonstrations   record the shipped demonstrations again"
 	@echo "make clean      remove caches and outputs;   rm -r $(VENV) removes the installation"
 
 install: $(STAMP)
@@ -59,7 +60,13 @@ format: install
 	$(BIN)/ruff check --fix .
 
 examples: install
-	$(BIN)/python -m symskill_pddl.cli.examples .
+	scripts/make_examples.sh
+
+# The shipped demonstrations: ten of each atomic task, the same files again.
+TASKS := OpenSingleDoor CloseSingleDoor PnPCabToCounter PnPCounterToCab
+demonstrations: install
+	mkdir -p symskill_pddl/data/kitchen
+	for task in $(TASKS); do $(BIN)/symskill record $$task -n 10 --seed 0 -o symskill_pddl/data/kitchen/$$task.hdf5; done
 
 clean:
 	rm -rf symskill-out .mypy_cache .ruff_cache .pytest_cache .import_linter_cache build ./*.egg-info

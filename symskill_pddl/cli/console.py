@@ -15,7 +15,6 @@ from rich.text import Text
 
 from symskill_pddl.errors import InputError
 
-
 WIDTH = 120
 """Columns of a table that goes to a file or another program."""
 

@@ -56,8 +56,12 @@ def learn(
     """Learn predicates, operators and skills from demonstrations."""
     from symskill_pddl.cli.work import learn_from
 
-    library = learn_from(files, output)
-    remark(f"{output}: {len(library.classifiers)} predicates, {len(library.operators)} operators, {len(library.skills)} skills")
+    library, report = learn_from(files, output)
+    for note in report.notes:
+        remark(note)
+    spent = sum(seconds for _, seconds in report.seconds)
+    counts = f"{len(library.classifiers)} predicates, {len(library.operators)} operators, {len(library.skills)} skills"
+    remark(f"{output}: {counts}, {spent:.1f} s")
 
 
 def show(library: LibraryArgument, json: JsonFlag = False) -> None:

@@ -34,9 +34,11 @@ def export(
     dialect: DialectOption = "strips",
     name: NameOption = "learned",
     names: NamesOption = None,
+    strict: Annotated[bool, typer.Option("--strict", help="All that held in every demonstration is a precondition.")] = False,
 ) -> None:
     """Write a library's domain as PDDL."""
-    domain, _ = work.export_domain(work.open_library(library), output, name, dialect, work.renames(names))
+    learned = work.open_library(library)
+    domain, _ = work.export_domain(learned, output, name, dialect, work.renames(names), strict=strict)
     remark(f"{output / 'domain.pddl'}: {len(domain.predicates)} predicates, {len(domain.operators)} actions ({dialect})")
 
 

@@ -39,9 +39,7 @@ def quickstart(
     disturbances = disturb or [DISTURBANCE]
     files = work.shipped_demos()
     make_folder(output)
-    learning = monotonic()
-    library = work.learn_from(files, output / "library")
-    learning = monotonic() - learning
+    library, learning = work.learn_from(files, output / "library")
 
     domain, _ = work.export_domain(library, output, "kitchen", "strips", {})
     with progress(f"setting up {task}, seed {seed}"):
@@ -63,7 +61,7 @@ def quickstart(
 
     table(*operator_table(library))
     say()
-    say(f"Learned from {len(files)} files of demonstrations in {learning:.1f} s: {output / 'library'}")
+    say(f"Learned from {len(files)} files of demonstrations in {sum(s for _, s in learning.seconds):.1f} s: {output / 'library'}")
     say(f"PDDL: {output / 'domain.pddl'} ({len(domain.operators)} actions), {output / 'problem.pddl'}")
     say(f"Plan: {output / 'plan.txt'}, {len(plan)} steps in {1000 * result.seconds:.0f} ms by {result.planner}")
     for name, args in plan.steps:

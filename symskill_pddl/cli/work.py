@@ -11,6 +11,7 @@ from symskill_pddl.cli.options import make_folder, read_text, write_text
 from symskill_pddl.errors import InputError
 
 if TYPE_CHECKING:
+    from symskill_pddl.learning import LearnReport
     from symskill_pddl.library import Library
     from symskill_pddl.pddl import Names
     from symskill_pddl.pddl.check import Comparison
@@ -19,26 +20,26 @@ if TYPE_CHECKING:
 
 def open_library(path: Path) -> Library:
     """The library of a folder."""
-    from symskill_pddl.library import load_library
+    from symskill_pddl.library import Library
 
-    return load_library(path)
+    return Library.load(path)
 
 
-def learn_from(files: Sequence[Path], output: Path) -> Library:
+def learn_from(files: Sequence[Path], output: Path) -> tuple[Library, LearnReport]:
     """Learn from files of demonstrations, and save the library when all went well."""
     from symskill_pddl.demos import Demo, load_demos
-    from symskill_pddl.learning import learn
-    from symskill_pddl.library import save_library
+    from symskill_pddl.learning import learn_reported
 
     if len({f.stem for f in files}) != len(files):
         raise InputError(f"two files have one name, demonstrations could not be told apart: {', '.join(map(str, files))}")
     demos: list[Demo] = []
     for file in files:
         demos += load_demos(file)
-    with progress(f"learning from {len(demos)} demonstrations in {len(files)} files"):
-        library = learn(demos)
-    save_library(library, output)
-    return library
+    title = f"learning from {len(demos)} demonstrations in {len(files)} files"
+    with progress(title) as advance:
+        library, report = learn_reported(demos, progress=lambda stage: advance(text=f"{title}: {stage}"))
+    library.save(output)
+    return library, report
 
 
 def shipped_demos() -> tuple[Path, ...]:
@@ -59,12 +60,14 @@ def renames(path: Path | None) -> dict[str, str]:
     return load_renames(path) if path is not None else {}
 
 
-def export_domain(library: Library, folder: Path, name: str, dialect: str, renamed: dict[str, str]) -> tuple[Domain, Names]:
+def export_domain(
+    library: Library, folder: Path, name: str, dialect: str, renamed: dict[str, str], *, strict: bool = False
+) -> tuple[Domain, Names]:
     """Write domain.pddl and names.json; what was written."""
     from symskill_pddl.describe import domain_comments
     from symskill_pddl.pddl import Names, write_domain
 
-    domain = library.domain(name)
+    domain = library.domain(name, strict=strict)
     names = Names.of(domain, renames=renamed)
     ids = {**names.types, **names.predicates, **names.operators}
     text = write_domain(
