@@ -1,7 +1,7 @@
 """From poses to atoms: one code for learning and for monitoring.
 
-A `Classifier` is the geometry of one predicate: two independent Gaussians, over the position and over the orientation of a child frame
-in a parent frame. The same Gaussians sample relative poses for recovery.
+A `Classifier` is the geometry of one predicate: two independent Gaussians, over the position and over the orientation of a
+child frame in a parent frame. The same Gaussians sample relative poses for recovery.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ BoolArray = NDArray[np.bool_]
 class Classifier:
     """Where the child frame is, relative to the parent frame, when the predicate holds.
 
-    `parent` is a type name. `child` is a type name or `GRIPPER`. The predicate's arguments are ``(parent object,)`` for a gripper relation
-    (gripper-in-object) and ``(child object, parent object)`` for a relation of two objects (object-at-reference).
+    `parent` is a type name. `child` is a type name or `GRIPPER`. The predicate's arguments are ``(parent object,)`` for a
+    gripper relation (gripper-in-object) and ``(child object, parent object)`` for a relation of two objects
+    (object-at-reference).
 
     Attributes
     ----------
@@ -77,8 +78,8 @@ class Classifier:
     def margin(self, T_parent_child: Pose) -> Array:
         """Signed margin (...): 1 at the mean, 0 on the boundary of entering, negative outside."""
         dp, dr = self.residual(T_parent_child)
-        p = np.sqrt(np.einsum("...i,ij,...j->...", dp, self._cov_p_inv, dp)) / self.enter_p  # type: ignore[attr-defined]
-        r = np.sqrt(np.einsum("...i,ij,...j->...", dr, self._cov_r_inv, dr)) / self.enter_r  # type: ignore[attr-defined]
+        p = _mahalanobis(dp, self._cov_p_inv) / self.enter_p  # type: ignore[attr-defined]
+        r = _mahalanobis(dr, self._cov_r_inv) / self.enter_r  # type: ignore[attr-defined]
         return np.asarray(1.0 - np.maximum(p, r))
 
     def holds(self, T_parent_child: Pose, *, before: bool = False) -> bool:
@@ -92,8 +93,13 @@ class Classifier:
         return Pose(self.T_mean.p + dp, quat_multiply(self.T_mean.q, quat_exp(dr)))
 
 
+def _mahalanobis(residual: Array, inverse: Array) -> Array:
+    return np.asarray(np.sqrt(np.sum((residual @ inverse) * residual, axis=-1)))
+
+
 def swing(q: Array, axis: Array) -> Array:
-    """The part of rotations q (..., 4) that is left when the turn about `axis` (3,), unit, is taken out: ``q = swing * twist``."""
+    """The part of rotations q (..., 4) that is left when the turn about `axis` (3,), unit, is taken out: ``q = swing *
+    twist``."""
     along = q[..., 1:] @ axis
     twist = np.concatenate([q[..., :1], along[..., None] * axis], axis=-1)
     norm = np.linalg.norm(twist, axis=-1, keepdims=True)
@@ -112,7 +118,8 @@ def _truncated(rng: np.random.Generator, cov: Array, radius: float) -> Array:
 class GripperRule:
     """`gripper-open`: the command says open and the aperture exceeds `open_above` [m] (hysteresis down to `open_until`).
 
-    `settled` speeds and objects between the fingers do not matter here: a gripper closed on a wide object is closed by its command.
+    `settled` speeds and objects between the fingers do not matter here: a gripper closed on a wide object is closed by its
+    command.
     """
 
     open_above: float = 0.06

@@ -1,7 +1,8 @@
 """Synthetic demonstrations: a kinematic kitchen in which objects follow the hand exactly, with the faults of people on top.
 
-Nothing here knows of learning. The world is as simple as can be (no physics): while `carry` is set, an object or a hinge is a function
-of the hand's pose. Noise, pauses, repeated approaches, nudges, poor grasps, distractors and passengers are drawn from the generator.
+Nothing here knows of learning. The world is as simple as can be (no physics): while `carry` is set, an object or a hinge is a
+function of the hand's pose. Noise, pauses, repeated approaches, nudges, poor grasps, distractors and passengers are drawn from
+the generator.
 """
 
 from __future__ import annotations
@@ -66,12 +67,18 @@ class Recorder:
         """Minimum-jerk legs through `via`; each leg comes to rest for one sample only."""
         for T in via:
             start = self.T
-            way = float(np.linalg.norm(T.p - start.p)) + 0.12 * float(np.linalg.norm(quat_log(quat_multiply(T.q, start.q * [1, -1, -1, -1]))))
+            way = float(np.linalg.norm(T.p - start.p)) + 0.12 * float(
+                np.linalg.norm(quat_log(quat_multiply(T.q, start.q * [1, -1, -1, -1])))
+            )
             n = max(int(way / (speed * self.rng.uniform(0.8, 1.2)) * 1.5 / DT), 4)
             u = np.linspace(0.0, 1.0, n + 1)[1:]
             path = interpolate(start, T, u**3 * (10 - 15 * u + 6 * u**2))
             bump = np.sin(np.pi * u)[:, None] * self.rng.normal(0, 0.006 if self.carry is None else 0.002, 3)
-            stop = int(self.rng.integers(n // 3, n)) if (pause or (pause is None and self.faults and self.rng.random() < 0.1)) else -1
+            stop = (
+                int(self.rng.integers(n // 3, n))
+                if (pause or (pause is None and self.faults and self.rng.random() < 0.1))
+                else -1
+            )
             for k in range(n):
                 if k == stop:
                     self.rest(self.rng.uniform(0.4, 1.2))
@@ -106,7 +113,9 @@ class Recorder:
     def back_off(self, distance: float) -> None:
         self.go(self.T @ Pose(np.array([0.0, 0.0, -distance]), np.array([1.0, 0, 0, 0])), pause=False)
 
-    def demo(self, name: str, source: str, task: str, *, noise_m: float = 0.0007, noise_rad: float = 0.003, extents: bool = True) -> Demo:
+    def demo(
+        self, name: str, source: str, task: str, *, noise_m: float = 0.0007, noise_rad: float = 0.003, extents: bool = True
+    ) -> Demo:
         n, objects = len(self.rows), list(self.types)
         p = np.array([[poses[o].p for o in objects] for _, _, _, poses in self.rows])
         q = np.array([[poses[o].q for o in objects] for _, _, _, poses in self.rows])
@@ -165,7 +174,7 @@ def open_door(r: Recorder) -> None:
     up = r.rng.uniform(-0.015, 0.015)
 
     def bar(angle: float) -> Pose:
-        return Pose((T_cabinet @ hinge(angle)).apply(HANDLE + [0, 0, up]), facing(0.25 + 0.6 * angle, 0.0))
+        return Pose((T_cabinet @ hinge(angle)).apply(HANDLE + np.array([0, 0, up])), facing(0.25 + 0.6 * angle, 0.0))
 
     r.reach(bar(angle_of(r)))
     r.fingers(True, 0.014)
@@ -199,7 +208,10 @@ def close_door(r: Recorder) -> None:
 
     start = angle_of(r)
     door = T_cabinet @ hinge(start)
-    r.go(Pose(door.apply([-0.12, along + 0.05, height - 0.15]), facing(0.6, 0.0)), Pose(door.apply([-0.10, along, height]), facing(1.2, 0.0)))
+    r.go(
+        Pose(door.apply([-0.12, along + 0.05, height - 0.15]), facing(0.6, 0.0)),
+        Pose(door.apply([-0.10, along, height]), facing(1.2, 0.0)),
+    )
     r.fingers(True)
     r.go(outer(start), speed=0.08)
     swing(r, 0.0, outer, 0.08)
@@ -226,7 +238,7 @@ def move_food(r: Recorder, food: str, goal: Pose, pitch: float) -> None:
 
     def grip(T_food: Pose) -> Pose:
         yaw = float(T_food.rotvec()[2])
-        return Pose(T_food.p + [0, 0, 0.005], facing(yaw, pitch))
+        return Pose(T_food.p + np.array([0, 0, 0.005]), facing(yaw, pitch))
 
     if r.faults and r.rng.random() < 0.2:  # a nudge: the food is pushed a little on the first try
         r.reach(grip(r.poses[food] @ yaw_pose([0.0, 0.01, 0.0])))
@@ -238,7 +250,7 @@ def move_food(r: Recorder, food: str, goal: Pose, pitch: float) -> None:
     if r.faults and r.rng.random() < 0.2:  # a poor grasp: lifted a little, dropped where it was
         home = r.poses[food]
         r.grasp(food, 0.05)
-        r.go(Pose(r.T.p + [0, 0, 0.03], r.T.q))
+        r.go(Pose(r.T.p + np.array([0, 0, 0.03]), r.T.q))
         r.carry = None
         for f in (0.6, 0.2, 0.0):
             r.poses[food] = Pose(home.p + f * np.array([0, 0, 0.03]), home.q)
@@ -247,8 +259,8 @@ def move_food(r: Recorder, food: str, goal: Pose, pitch: float) -> None:
         r.back_off(0.05)
         r.reach(grip(r.poses[food]), back=0.05)
     r.grasp(food, 0.05)
-    lift = Pose(r.T.p + [-0.03, 0.0, 0.06], r.T.q)
-    over_goal = Pose(grip(goal).p + [-0.03, 0.0, 0.06], grip(goal).q)
+    lift = Pose(r.T.p + np.array([-0.03, 0.0, 0.06]), r.T.q)
+    over_goal = Pose(grip(goal).p + np.array([-0.03, 0.0, 0.06]), grip(goal).q)
     out = Pose(np.array([0.45, 0.0, 0.35]), facing(0.0, pitch))
     r.go(lift, out, over_goal)
     r.go(grip(goal), speed=0.07)
@@ -257,7 +269,9 @@ def move_food(r: Recorder, food: str, goal: Pose, pitch: float) -> None:
     go_home(r)
 
 
-def record(task: str, n: int, seed: int = 0, *, faults: bool = True, source: str | None = None, **demo: float | bool) -> tuple[Demo, ...]:
+def record(
+    task: str, n: int, seed: int = 0, *, faults: bool = True, source: str | None = None, **demo: float | bool
+) -> tuple[Demo, ...]:
     """`n` demonstrations of OpenSingleDoor, CloseSingleDoor, PnPCabToCounter or PnPCounterToCab."""
     demos = []
     for k in range(n):

@@ -1,7 +1,7 @@
 """Hinges and slides from motion alone: does an object turn about one axis, or run along one line, in another frame?
 
-Least squares on poses; no joint is ever read. What is found serves the choice of the reference, the clustering of rest poses (one joint
-coordinate instead of six) and readable names.
+Least squares on poses; no joint is ever read. What is found serves the choice of the reference, the clustering of rest poses
+(one joint coordinate instead of six) and readable names.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ class Joint:
 def fit_joint(motions: Sequence[Pose], config: ArticulationConfig | None = None) -> Joint | None:
     """The joint that all motions `T_ref_obj` (n_i,) share, or None.
 
-    A hinge: rotation residuals lie on one line, and ``p = c + R d`` with constant c and d. A slide: the orientation is constant and the
-    positions lie on one line.
+    A hinge: rotation residuals lie on one line, and ``p = c + R d`` with constant c and d. A slide: the orientation is constant
+    and the positions lie on one line.
     """
     config = config or ArticulationConfig()
     poses = Pose(np.concatenate([m.p for m in motions]), np.concatenate([m.q for m in motions]))

@@ -13,8 +13,11 @@ from symskill_pddl.library import Goal
 from symskill_pddl.symbols import Atom, Parameter
 
 
-def learn_goals(demos: Sequence[Demo], episodes: Sequence[Episode], truths: Mapping[str, Truth], places: Sequence[str]) -> tuple[Goal, ...]:
-    """Per task, the lifted atoms about moved objects that hold at the end, and not at the start, of most of its demonstrations."""
+def learn_goals(
+    demos: Sequence[Demo], episodes: Sequence[Episode], truths: Mapping[str, Truth], places: Sequence[str]
+) -> tuple[Goal, ...]:
+    """Per task, the lifted atoms about moved objects that hold at the end, and not at the start, of most of its
+    demonstrations."""
     moved: dict[str, list[str]] = defaultdict(list)
     for e in episodes:
         for obj in (e.obj, *e.passengers):

@@ -85,7 +85,9 @@ def learn_reported(
     groups, odd_operators = learn_operators(found, demos, relations, classifiers, places, contacts, extents, config.operators)
     notes = (*relations.notes, *odd_transitions, *odd_operators)
     if not groups:
-        raise LearningError(f"no operator comes out of {len(demos)} demonstrations with {len(episodes)} motions; first reason: {notes[0]}")
+        raise LearningError(
+            f"no operator comes out of {len(demos)} demonstrations with {len(episodes)} motions; first reason: {notes[0]}"
+        )
     clock.stage("skills")
     learned, skills = _skills(groups, config.skills)
     goals = learn_goals(demos, episodes, truths, places)
@@ -102,9 +104,7 @@ def _skills(groups: Sequence[OperatorGroup], config: SkillConfig) -> tuple[tuple
         old = group.learned
         skills[old.skill] = skill
         learned.append(
-            LearnedOperator(
-                old.operator, old.strict_pre, old.skill, old.kind, old.evidence, old.duration_s, (*old.notes, *notes)
-            )
+            LearnedOperator(old.operator, old.strict_pre, old.skill, old.kind, old.evidence, old.duration_s, (*old.notes, *notes))
         )
     return tuple(learned), skills
 
@@ -112,7 +112,8 @@ def _skills(groups: Sequence[OperatorGroup], config: SkillConfig) -> tuple[tuple
 def _classifiers(relations: Relations, places: Sequence[str], contacts: Sequence[str]) -> tuple[Classifier, ...]:
     """Contacts first, then places, each in alphabetical order."""
     of_contacts = [
-        c.shape.classifier(Predicate(name, (c.type,)), GRIPPER, c.type) for c, name in zip(relations.contacts, contacts, strict=True)
+        c.shape.classifier(Predicate(name, (c.type,)), GRIPPER, c.type)
+        for c, name in zip(relations.contacts, contacts, strict=True)
     ]
     of_places = [p.shape.classifier(Predicate(name, p.types), *p.types) for p, name in zip(relations.places, places, strict=True)]
     return tuple(sorted(of_contacts, key=_name) + sorted(of_places, key=_name))

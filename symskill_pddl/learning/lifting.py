@@ -1,4 +1,5 @@
-"""From ground atoms to lifted ones: arguments by role, context objects by the best injective matching, intersections over a group."""
+"""From ground atoms to lifted ones: arguments by role, context objects by the best injective matching, intersections over a
+group."""
 
 from __future__ import annotations
 
@@ -38,8 +39,8 @@ class Lifted:
 def lift(group: Sequence[Transition]) -> Lifted:
     """Intersect the transitions of a group, variables matched so that as much as possible is shared.
 
-    The arguments of all transitions correspond by position. Every other object of the first transition is a context variable of its own;
-    in each following transition it stands for a different object of its type, or for none.
+    The arguments of all transitions correspond by position. Every other object of the first transition is a context variable of
+    its own; in each following transition it stands for a different object of its type, or for none.
     """
     first = group[0]
     others = sorted({a for _, atom in _tagged(first) for a in atom.args} - set(first.args))
@@ -118,7 +119,7 @@ def _best_match(
     else:  # one type after the other, twice round
         current = [options[0] for options in choices]
         for k in [*range(len(choices)), *range(len(choices))]:
-            current[k] = max(choices[k], key=lambda part: score([*current[:k], part, *current[k + 1 :]]))  # noqa: B023
+            current[k] = max(choices[k], key=lambda part: score([*current[:k], part, *current[k + 1 :]]))
         best = current
     result = dict(ground)
     for part in best:

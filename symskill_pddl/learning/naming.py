@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from symskill_pddl.learning.predicates import Contact, Label, Place, Relations
+from symskill_pddl.learning.predicates import Label, Place, Relations
 from symskill_pddl.learning.references import Extents
 
 TURN_IN_PLACE_M = 0.12
@@ -111,7 +111,8 @@ def _preposition(place: Place, extents: Extents) -> str:
 
 
 def contact_names(relations: Relations, places: Sequence[str]) -> tuple[str, ...]:
-    """One name per contact: `gripper-holds-food`; pushes that lead to different states `gripper-at-door-to-close`, `...-to-open`."""
+    """One name per contact: `gripper-holds-food`; pushes that lead to different states `gripper-at-door-to-close`,
+    `...-to-open`."""
     names = []
     for k, contact in enumerate(relations.contacts):
         base = f"gripper-{'holds' if contact.held else 'at'}-{slug(contact.type)}"

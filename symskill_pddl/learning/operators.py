@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,20 +65,22 @@ def learn_operators(
         )
         groups[key].append(t)
     notes, kept = [], []
-    for key in sorted(groups):
-        group = groups[key]
+    for _, group in sorted(groups.items(), key=lambda item: item[0]):
         seen_in = {t.demo.where for t in group}
         if len(seen_in) == 1 and shown[group[0].demo.task] >= config.odd_of:
             name = operator_name(group[0].label, group[0].moves, relations, places)[0]
-            notes.append(f"{name}: only {seen_in.pop()} of {shown[group[0].demo.task]} demonstrations of its task shows it; left out")
+            notes.append(
+                f"{name}: only {seen_in.pop()} of {shown[group[0].demo.task]} demonstrations of its task shows it; left out"
+            )
         else:
             kept.append(group)
     names = unique(operator_name(g[0].label, g[0].moves, relations, places)[0] for g in kept)
     states = [(t, s) for t in found for s in (t.before, t.after)]
     learned = [
-        _operator(name, g, states, relations, classifiers, places, contacts, extents, config) for name, g in zip(names, kept, strict=True)
+        _operator(name, g, states, relations, classifiers, places, contacts, extents, config)
+        for name, g in zip(names, kept, strict=True)
     ]
-    return tuple(_mutex(learned, relations, places, contacts)), tuple(notes)
+    return tuple(_mutex(learned, relations, places)), tuple(notes)
 
 
 def _operator(
@@ -150,9 +152,15 @@ def _operator(
 def _effects(
     lifted: Lifted, group: Sequence[Transition], contact: str, contacts: Sequence[str], notes: list[str]
 ) -> tuple[frozenset[Atom], frozenset[Atom]]:
-    """The intersections, less what cannot be an effect: a second contact, and coincidences where a single transition is all there is."""
+    """The intersections, less what cannot be an effect: a second contact, and coincidences where a single transition is all
+    there is."""
     moved = lifted.parameters[0].name
-    riders = {v for binding, t in zip(lifted.bindings, group, strict=True) for v, o in binding.items() if o in t.label.episode.passengers}
+    riders = {
+        v
+        for binding, t in zip(lifted.bindings, group, strict=True)
+        for v, o in binding.items()
+        if o in t.label.episode.passengers
+    }
     kept: dict[str, set[Atom]] = {"adds": set(), "deletes": set()}
     for what, atoms in (("adds", lifted.add), ("deletes", lifted.delete)):
         for atom in sorted(atoms):
@@ -236,11 +244,11 @@ def _room(c: Classifier, extents: Extents, config: OperatorConfig) -> bool:
     return float(np.sqrt(np.linalg.eigvalsh(c.cov_p)[-1])) * c.enter_p > 2.0 * half
 
 
-def _mutex(groups: Sequence[OperatorGroup], relations: Relations, places: Sequence[str], contacts: Sequence[str]) -> list[OperatorGroup]:
+def _mutex(groups: Sequence[OperatorGroup], relations: Relations, places: Sequence[str]) -> list[OperatorGroup]:
     """Complete what the data did not show: an object comes to one place of a reference, so it is at no other place of it.
 
-    A pick deletes where the object was. Only where some pick of the same contact does not (it began at no known place) can the object still
-    count as being there when it is put down; then the place operator deletes the other places of its reference type.
+    A pick deletes where the object was. Only where some pick of the same contact does not (it began at no known place) can the
+    object still count as being there when it is put down; then the place operator deletes the other places of its reference type.
     """
     result = []
     blind = {
@@ -253,7 +261,9 @@ def _mutex(groups: Sequence[OperatorGroup], relations: Relations, places: Sequen
             continue
         own = relations.places[label.end]
         args = tuple(p.name for p in op.parameters[:2])
-        more = {Atom(places[i], args) for i, p in enumerate(relations.places) if p.types == own.types and i != label.end} - op.delete
+        more = {
+            Atom(places[i], args) for i, p in enumerate(relations.places) if p.types == own.types and i != label.end
+        } - op.delete
         notes = tuple(f"added effect: not {atom}, an object is at one place of a reference" for atom in sorted(more))
         operator = Operator(op.name, op.parameters, op.pre, op.add, op.delete | more, op.maintain, op.absent, op.cost)
         old = g.learned

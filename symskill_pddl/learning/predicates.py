@@ -1,7 +1,7 @@
 """Rest poses and contacts into predicates without names, and every episode labelled with them (METHOD sections 3 and 4).
 
-Each label of an episode - where the object rested, how the gripper acted on it, where it came to rest - is a cluster by construction, so
-operators can be grouped without a look at thresholds. What is odd is named in `Relations.notes` and left out.
+Each label of an episode - where the object rested, how the gripper acted on it, where it came to rest - is a cluster by
+construction, so operators can be grouped without a look at thresholds. What is odd is named in `Relations.notes` and left out.
 """
 
 from __future__ import annotations
@@ -31,7 +31,9 @@ class PredicateConfig:
     joint_shape: ShapeConfig = field(default_factory=lambda: ShapeConfig(prior_m=0.006, prior_rad=float(np.radians(2.0))))
     """Rest poses of what is hinged or slides."""
     contact_shape: ShapeConfig = field(
-        default_factory=lambda: ShapeConfig(floor_m=0.006, floor_rad=float(np.radians(4.0)), prior_m=0.01, prior_rad=float(np.radians(8.0)))
+        default_factory=lambda: ShapeConfig(
+            floor_m=0.006, floor_rad=float(np.radians(4.0)), prior_m=0.01, prior_rad=float(np.radians(8.0))
+        )
     )
     ratio: float = 2.5
     """A gap between clusters is at least this many times the gaps within."""
@@ -146,7 +148,11 @@ def _placements(
     moved = {(e.demo.where, o) for e in episodes for o in (e.obj, *e.passengers)}
     for demo in demos:
         still = int(np.searchsorted(demo.times, demo.times[0] + 2.0))
-        rests += [(demo, rest(demo, o, 0, still, static=True)) for o, t in demo.objects.items() if t == type_ and (demo.where, o) not in moved]
+        rests += [
+            (demo, rest(demo, o, 0, still, static=True))
+            for o, t in demo.objects.items()
+            if t == type_ and (demo.where, o) not in moved
+        ]
     alone = [fit_joint([e.demo.pose(e.obj)[e.start : e.stop]], config.articulation) is not None for e in episodes]
     if np.mean(alone) >= 0.8:
         found = place(rests, True, extents, config.references)
@@ -208,7 +214,9 @@ def _cluster_pair(
         places.append(_place_of(members, joint, config))
 
 
-def _adopt(p: Placement, groups: Sequence[tuple[int | None, list[Placement]]], joint: Joint | None, config: PredicateConfig) -> None:
+def _adopt(
+    p: Placement, groups: Sequence[tuple[int | None, list[Placement]]], joint: Joint | None, config: PredicateConfig
+) -> None:
     """An untouched object widens the nearest cluster, if it is near enough; it never founds one."""
     best: tuple[float, list[Placement]] | None = None
     for _, members in groups:

@@ -4,12 +4,14 @@ Every other object of the scene is a candidate. A candidate scores
 
 - ``dispersion``: how much tighter the rest poses of one group are in its frame than in the worst candidate's, weighted by
   ``(n - 1) / (n + 1)``, so that one demonstration leaves the decision to the priors;
-- ``contact``: 1 if the object lies inside the candidate's box or directly on it, decaying with the gap; half of that beside it. What is
-  hinged or slides touches its reference on any side. Without known extents the horizontal distance of the origins takes the place of the gap;
+- ``contact``: 1 if the object lies inside the candidate's box or directly on it, decaying with the gap; half of that beside it.
+  What is hinged or slides touches its reference on any side. Without known extents the distance of the origins takes the place
+  of the gap;
 - ``proximity``: ``1 / (1 + d / 0.3 m)`` with d the distance of the origins; halved in weight;
 - minus a half if the candidate has the object's own type.
 
-A type is chosen for a group of rests by majority of the first guesses and the sum of scores; within it the object with the best score.
+A type is chosen for a group of rests by majority of the first guesses and the sum of scores; within it the object with the best
+score.
 """
 
 from __future__ import annotations
@@ -32,8 +34,8 @@ class ReferenceConfig:
     """Weights and lengths of the score."""
 
     gap_m: float = 0.03
-    unknown_gap_m: float = 0.15
-    """Decay length of the horizontal distance to a candidate whose extents are not known."""
+    side_gap_m: float = 0.15
+    """Decay length of the gap for what is hinged or slides."""
     near_m: float = 0.3
     proximity_weight: float = 0.5
     same_type_penalty: float = 0.5
@@ -101,7 +103,9 @@ def _prior_scores(demo: Demo, rest: Rest, hinged: bool, extents: Extents, config
         if name == rest.obj:
             continue
         T_ref_obj = _pose_of(demo, name, rest).inverse() @ rest.T_world_obj
-        contact = _contact(T_ref_obj, _pose_of(demo, name, rest), rest.T_world_obj, extents.get(own), extents.get(type_), hinged, config)
+        contact = _contact(
+            T_ref_obj, _pose_of(demo, name, rest), rest.T_world_obj, extents.get(own), extents.get(type_), hinged, config
+        )
         proximity = 1.0 / (1.0 + float(np.linalg.norm(T_ref_obj.p)) / config.near_m)
         scores[name] = contact + config.proximity_weight * proximity - (config.same_type_penalty if type_ == own else 0.0)
     return scores
@@ -118,9 +122,8 @@ def _contact(
 ) -> float:
     across = T_world_obj.p - T_world_ref.p
     if other is None:
-        level = float(np.linalg.norm(across[:2]))
-        below = 1.0 if across[2] > 0.0 or hinged else 0.5
-        return below * float(np.exp(-level / config.unknown_gap_m)) * 0.8
+        above = 1.0 if across[2] > 0.0 or hinged else 0.7
+        return 0.8 * above * float(np.exp(-np.linalg.norm(across) / config.near_m))
     outside = np.maximum(np.abs(T_ref_obj.p) - np.array(other), 0.0)  # (3,) in the reference's axes
     if not outside.any():
         return 1.0
@@ -128,7 +131,7 @@ def _contact(
     gap = T_world_ref.rotate(outside * np.sign(T_ref_obj.p))
     level, rise = float(np.linalg.norm(gap[:2])), float(gap[2])
     if hinged:
-        return float(np.exp(-np.hypot(level, rise) / config.unknown_gap_m))
+        return float(np.exp(-np.hypot(level, rise) / config.side_gap_m))
     if level < 0.01 and rise > 0.0:
         return float(np.exp(-max(rise - half_height, 0.0) / config.gap_m))
     return 0.5 * float(np.exp(-np.hypot(level, max(abs(rise) - half_height, 0.0)) / config.gap_m))
@@ -139,7 +142,9 @@ def _best_of_type(demo: Demo, scores: Mapping[str, float], type_: str) -> str | 
     return max(of_type, key=lambda name: scores[name], default=None)
 
 
-def _type_scores(members: Sequence[int], rests: Sequence[tuple[Demo, Rest]], table: Sequence[Mapping[str, float]]) -> dict[str, float]:
+def _type_scores(
+    members: Sequence[int], rests: Sequence[tuple[Demo, Rest]], table: Sequence[Mapping[str, float]]
+) -> dict[str, float]:
     """Mean prior of each type that every member's scene holds, plus its dispersion term."""
     common = set.intersection(*({rests[i][0].objects[name] for name in table[i]} for i in members))
     priors, spreads = {}, {}
@@ -155,7 +160,10 @@ def _type_scores(members: Sequence[int], rests: Sequence[tuple[Demo, Rest]], tab
 
 
 def _absorbed(
-    groups: Mapping[str, list[int]], rests: Sequence[tuple[Demo, Rest]], table: Sequence[Mapping[str, float]], config: ReferenceConfig
+    groups: Mapping[str, list[int]],
+    rests: Sequence[tuple[Demo, Rest]],
+    table: Sequence[Mapping[str, float]],
+    config: ReferenceConfig,
 ) -> dict[str, list[int]]:
     """Tiny groups join the large group whose type explains them nearly as well: one odd guess is not another resting place."""
     large = {t: list(m) for t, m in groups.items() if len(m) > config.minority or sum(map(len, groups.values())) <= 3}

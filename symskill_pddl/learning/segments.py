@@ -1,12 +1,14 @@
-"""Unsegmented recordings into episodes: who moved, when, with what, and where it rested (paper, Demo Segmentation; METHOD section 2).
+"""Unsegmented recordings into episodes: who moved, when, with what, and where it rested (paper, Demo Segmentation; METHOD
+section 2).
 
-Velocities come from a Savitzky-Golay filter (local quadratic over `filter_s`; positions, and quaternions made sign-continuous). An object
-moves from the moment its linear *or* angular speed exceeds the entering threshold until *both* are below the leaving ones.
+Velocities come from a Savitzky-Golay filter (local quadratic over `filter_s`; positions, and quaternions made sign-continuous).
+An object moves from the moment its linear *or* angular speed exceeds the entering threshold until *both* are below the leaving
+ones.
 
 People hesitate, try again and bump into things. What keeps that out of the episodes:
 
-- a gap in an object's motion is closed if it is shorter than `merge_gap_s`, or if the gripper stayed where it was on the object and kept
-  its command (a pause in mid-carry or mid-push);
+- a gap in an object's motion is closed if it is shorter than `merge_gap_s`, or if the gripper stayed where it was on the object
+  and kept its command (a pause in mid-carry or mid-push);
 - a motion after which the object rests where it was (1 cm, 5 degrees) is dropped: nudges, grasps that slipped;
 - later, an episode that leads from one rest cluster into the same one is dropped as well (`predicates`).
 """
@@ -65,7 +67,8 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Rest:
-    """Where an object rested: its pose over samples [start, stop), next to a motion, or (`static`) all through a demonstration."""
+    """Where an object rested: its pose over samples [start, stop), next to a motion, or (`static`) all through a
+    demonstration."""
 
     obj: str
     start: int
@@ -202,10 +205,15 @@ def segment(demo: Demo, config: SegmentConfig | None = None) -> tuple[Episode, .
         if carrier is not motion:
             continue
         along = tuple(sorted({m.obj for m, c in zip(moved, carriers, strict=True) if c is motion and m is not motion}))
-        following = min((m.start for m, c in zip(moved, carriers, strict=True) if m.start >= motion.stop and c is not motion), default=len(demo))
+        following = min(
+            (m.start for m, c in zip(moved, carriers, strict=True) if m.start >= motion.stop and c is not motion),
+            default=len(demo),
+        )
         leave = _leave(demo, motion, following, config)
         end = motion.stop if leave is None else _retreat_end(demo, motion, leave, following, still, config)
-        previous = max((m.stop for m, c in zip(moved, carriers, strict=True) if m.stop <= motion.start and c is not motion), default=0)
+        previous = max(
+            (m.stop for m, c in zip(moved, carriers, strict=True) if m.stop <= motion.start and c is not motion), default=0
+        )
         episodes.append(
             Episode(
                 demo=demo,
@@ -258,7 +266,9 @@ def _leave(demo: Demo, motion: Motion, following: int, config: SegmentConfig) ->
 def _retreat_end(demo: Demo, motion: Motion, leave: int, following: int, still: Mask, config: SegmentConfig) -> int:
     """The first rest of the hand after leaving; without one before the next motion, where the hand was farthest away."""
     long = max(round(config.hand_rest_s / float(np.median(np.diff(demo.times)))), 1)
-    bound = min(int(np.searchsorted(demo.times, demo.times[leave] + config.max_retreat_s)), max(following - 1, leave), len(demo) - 1)
+    bound = min(
+        int(np.searchsorted(demo.times, demo.times[leave] + config.max_retreat_s)), max(following - 1, leave), len(demo) - 1
+    )
     for a, b in intervals(still[leave : bound + 1], still[leave : bound + 1]):
         if b - a >= long or leave + b == len(demo):
             return leave + a

@@ -50,7 +50,16 @@ class Shape:
 
     def classifier(self, predicate: Predicate, child: str, parent: str) -> Classifier:
         return Classifier(
-            predicate, child, parent, self.T_mean, self.cov_p, self.cov_r, self.enter_p, self.enter_r, self.leave_factor, self.free_axis
+            predicate,
+            child,
+            parent,
+            self.T_mean,
+            self.cov_p,
+            self.cov_r,
+            self.enter_p,
+            self.enter_r,
+            self.leave_factor,
+            self.free_axis,
         )
 
 
@@ -99,8 +108,8 @@ def free_yaw(poses: Pose, up_in_child: Array, config: ShapeConfig) -> Array | No
 def clusters(distances: Array, min_gap: float, ratio: float, floor: float) -> NDArray[np.intp]:
     """Cluster numbers (n,), from 0 in order of first appearance, of points with a distance matrix (n, n).
 
-    Single linkage, cut at the first merge that bridges at least `min_gap` and at least `ratio` times what the merges before it did
-    (or `floor`): as many clusters as there are clear gaps, be it one.
+    Single linkage, cut at the first merge that bridges at least `min_gap` and at least `ratio` times what the merges before it
+    did (or `floor`): as many clusters as there are clear gaps, be it one.
     """
     n = len(distances)
     if n == 1:

@@ -1,11 +1,12 @@
 """Demonstrated end-effector paths of an operator into a skill: fields per stretch of one finger command (METHOD section 6).
 
-Pick: the approach from t_0 to contact, in the moved object's frame. Place: the motion from first to last movement of the object, in the
-reference's frame, then the retreat in the object's frame. Within each part the path is cut where the finger command changes; stretches in
-which the hand hardly moves (it waits for the fingers) disappear, and what remains of the commands says what the fingers do at the end.
+Pick: the approach from t_0 to contact, in the moved object's frame. Place: the motion from first to last movement of the
+object, in the reference's frame, then the retreat in the object's frame. Within each part the path is cut where the finger
+command changes; stretches in which the hand hardly moves (it waits for the fingers) disappear, and what remains of the commands
+says what the fingers do at the end.
 
-People's detours are taken out: if most demonstrations come closer to the end all the time, loops in the others (a second approach, a
-regrasp) are cut off. Retreats are cut to a common length, since hands wander off to different places.
+People's detours are taken out: if most demonstrations come closer to the end all the time, loops in the others (a second
+approach, a regrasp) are cut off. Retreats are cut to a common length, since hands wander off to different places.
 """
 
 from __future__ import annotations
@@ -13,10 +14,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
+from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from symskill_pddl.errors import CertificateError, LearningError
 from symskill_pddl.geometry import Pose, karcher_mean, rotation_distance
@@ -128,7 +130,7 @@ def _runs(part: str, first: int, last: int, T_frame_ee: Pose, t: Transition, con
     command = t.demo.gripper_closed[first : last + 1]
     cuts = [first, *(first + 1 + np.flatnonzero(np.diff(command.astype(np.int8)))).tolist(), last + 1]
     found: list[Stretch] = []
-    for a, b in zip(cuts, cuts[1:], strict=False):
+    for a, b in pairwise(cuts):
         T = T_frame_ee[a:b]
         far = np.linalg.norm(T.p - T.p[0], axis=-1).max() > config.still_m
         turned = rotation_distance(T, T[0]).max() > config.still_rad

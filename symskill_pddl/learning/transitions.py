@@ -14,7 +14,8 @@ from symskill_pddl.learning.predicates import Label, Relations
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, State
 
 FINGERS_LATE_S = 2.0
-"""Fingers that open within this time after a retreat belong to it: a fist, for instance, is often undone only when it is clear."""
+"""Fingers that open within this time after a retreat belong to it: a fist, for instance, is often undone only when it is
+clear."""
 
 Truth = Mapping[Atom, NDArray[np.bool_]]
 
@@ -70,6 +71,7 @@ def truth_of(demo: Demo, classifiers: Sequence[Classifier], gripper: GripperRule
 
 
 def state_at(truth: Truth, i: int) -> State:
+    """The atoms that hold at sample `i`."""
     return frozenset(atom for atom, value in truth.items() if value[i])
 
 
@@ -125,7 +127,8 @@ def transitions(
 
 
 def _fingers_until(label: Label, labels: Sequence[Label]) -> int:
-    """Up to which sample a change of the fingers still belongs to this episode: a while after its retreat, not into the next motion."""
+    """Up to which sample a change of the fingers still belongs to this episode: a while after its retreat, not into the next
+    motion."""
     e = label.episode
     late = int(np.searchsorted(e.demo.times, e.demo.times[min(e.end, len(e.demo) - 1)] + FINGERS_LATE_S))
     following = [other.episode.start for other in labels if other.episode.demo is e.demo and other.episode.start >= e.stop]
