@@ -92,9 +92,9 @@ def _positions(places: Sequence[Place], members: Sequence[int], extents: Extents
     for rank, i in enumerate(ranked):
         child, ref = places[i].types
         name = f"{slug(child)}-{_preposition(places[i], extents)}-{slug(ref)}"
-        if len(ranked) == 2:
+        if len(ranked) == 2 and np.ptp([places[k].shape.T_mean.p[2] for k in ranked]) > 0.03:
             name += ("-low", "-high")[rank]
-        elif len(ranked) > 2:
+        elif len(ranked) > 1:
             name += f"-{rank + 1}"
         names[i] = name
     return names

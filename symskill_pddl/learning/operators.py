@@ -101,8 +101,9 @@ def _operator(
     add, delete = _effects(lifted, group, contact, contacts, notes)
     own = lifted.args | {v for atom in add | delete for v in atom.variables}
     positive = set()
+    foreign = {name for name in contacts if name != contact}
     for atom in sorted(lifted.pre):
-        reason = _coincidence(atom, own, moved, lifted.parameters)
+        reason = _coincidence(atom, own, moved, lifted.parameters, foreign)
         if reason:
             notes.append(f"dropped precondition {atom}: {reason}")
         else:
@@ -113,7 +114,7 @@ def _operator(
     during = frozenset(
         atom
         for atom in lifted.during
-        if set(atom.variables) <= kept_variables and not _coincidence(atom, own, moved, lifted.parameters)
+        if set(atom.variables) <= kept_variables and not _coincidence(atom, own, moved, lifted.parameters, foreign)
     )
     durations = [t.duration_s for t in group]
     operator = Operator(
@@ -175,12 +176,16 @@ def _effects(
     return frozenset(kept["adds"]), frozenset(kept["deletes"])
 
 
-def _coincidence(atom: Atom, own: frozenset[str] | set[str], moved: Parameter, parameters: Sequence[Parameter]) -> str | None:
+def _coincidence(
+    atom: Atom, own: frozenset[str], moved: Parameter, parameters: Sequence[Parameter], foreign: set[str]
+) -> str | None:
     """Why a positive precondition is none, or None if it may be one."""
     if not atom.args:
         return None
     if not own & set(atom.args):
         return "about nothing that the operator is about"
+    if atom.predicate in foreign:
+        return "one contact at a time"
     types = {p.name: p.type for p in parameters}
     if any(v not in own and types.get(v) == moved.type for v in atom.args):
         return f"another {moved.type} enables nothing"

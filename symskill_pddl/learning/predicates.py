@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from symskill_pddl.geometry import Array, Pose, karcher_mean, rotation_distance
 from symskill_pddl.learning.articulation import UP, ArticulationConfig, Joint, fit_joint
 from symskill_pddl.learning.references import Extents, Placement, ReferenceConfig, place
 from symskill_pddl.learning.segments import Episode, Rest, rest
-from symskill_pddl.learning.shapes import Shape, ShapeConfig, clusters, fit_shape, free_yaw
+from symskill_pddl.learning.shapes import Shape, ShapeConfig, clusters, fit_shape, free_yaw, narrowed
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,7 @@ class PredicateConfig:
     ratio: float = 2.5
     """A gap between clusters is at least this many times the gaps within."""
     free_gap_m: float = 0.12
+    """Rests nearer than this are one place; a gap has to be `ratio` times as wide to separate two."""
     vertical_weight: float = 4.0
     """Heights count more than places on a support: two shelves are two predicates, two spots on a counter are one."""
     tilt_m_rad: float = 0.3
@@ -234,7 +235,7 @@ def _adopt(
 def _gap(joint: Joint | None, config: PredicateConfig) -> tuple[float, float]:
     """Smallest gap between clusters, and the spread within them that goes without saying."""
     if joint is None:
-        return config.free_gap_m, 0.02
+        return config.free_gap_m, config.free_gap_m
     return (config.hinge_gap_rad, float(np.radians(2.0))) if joint.kind == "hinge" else (config.slide_gap_m, 0.005)
 
 
@@ -309,6 +310,7 @@ def _labelled(
                 continue
             kept += [Label(e, len(contacts), start, start_ref, end, end_ref) for e, start, start_ref, end, end_ref in own]
             contacts.append(_contact_of([m[0] for m in own], jointed, config))
+    contacts = [_apart(c, [d for d in contacts if d is not c and d.type == c.type]) for c in contacts]
     place_in_time = {id(e): i for i, e in enumerate(episodes)}
     return tuple(sorted(kept, key=lambda label: place_in_time[id(label.episode)])), tuple(contacts)
 
@@ -347,6 +349,14 @@ def _contact_of(episodes: Sequence[Episode], jointed: Mapping[str, bool], config
         articulated=jointed[episodes[0].type],
         demos=frozenset(e.demo.where for e in episodes),
     )
+
+
+def _apart(contact: Contact, rivals: Sequence[Contact]) -> Contact:
+    """Narrowed so that the middle of another way to act on the same type lies outside, as far as its own observations allow."""
+    shape = contact.shape
+    for rival in rivals:
+        shape = narrowed(shape, rival.shape.T_mean)
+    return replace(contact, shape=shape)
 
 
 def _closes_on(e: Episode) -> bool:

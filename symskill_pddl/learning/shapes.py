@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,9 @@ class Shape:
     enter_r: float
     leave_factor: float
     free_axis: Array | None = None
+    least_p: float = 0.0
+    least_r: float = 0.0
+    """Radii that just take in the observations."""
 
     def classifier(self, predicate: Predicate, child: str, parent: str) -> Classifier:
         return Classifier(
@@ -78,20 +81,27 @@ def fit_shape(poses: Pose, n: int, config: ShapeConfig, free_axis: Array | None 
     cov_p = dp.T @ dp / len(dp) * (n / max(n - 1, 1)) + np.eye(3) * (config.floor_m**2 + config.prior_m**2 / n)
     cov_r = dr.T @ dr / len(dr) * (n / max(n - 1, 1)) + np.eye(3) * (config.floor_rad**2 + config.prior_rad**2 / n)
     radius = float(np.sqrt(chi2.ppf(config.quantile, 3))) * (1.0 + 1.0 / n)
-    return Shape(
-        mean,
-        cov_p,
-        cov_r,
-        _stretched(radius, dp, cov_p, config),
-        _stretched(radius, dr, cov_r, config),
-        config.leave_factor,
-        free_axis,
-    )
+    least_p, least_r = 1.05 * float(_radii(dp, cov_p).max()), 1.05 * float(_radii(dr, cov_r).max())
+    enter_p, enter_r = (float(np.clip(least, radius, config.stretch * radius)) for least in (least_p, least_r))
+    return Shape(mean, cov_p, cov_r, enter_p, enter_r, config.leave_factor, free_axis, least_p, least_r)
 
 
-def _stretched(radius: float, residuals: Array, cov: Array, config: ShapeConfig) -> float:
-    farthest = float(np.sqrt(np.max(np.einsum("ni,ij,nj->n", residuals, np.linalg.inv(cov), residuals))))
-    return float(np.clip(1.05 * farthest, radius, config.stretch * radius))
+def _radii(residuals: Array, cov: Array) -> Array:
+    """Mahalanobis radii (n,) of residuals (n, 3)."""
+    return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", residuals, np.linalg.inv(cov), residuals)))
+
+
+def narrowed(shape: Shape, T_outside: Pose, share: float = 0.75) -> Shape:
+    """The shape with one radius lowered so that a pose lies outside: the position's or the rotation's, where it differs more.
+
+    The radius becomes `share` times the pose's, but never less than what takes in the shape's own observations.
+    """
+    relative = quat_multiply(quat_conjugate(shape.T_mean.q), T_outside.q)
+    p = float(_radii((T_outside.p - shape.T_mean.p)[None], shape.cov_p)[0])
+    r = float(_radii(quat_log(relative)[None], shape.cov_r)[0])
+    if p / shape.enter_p >= r / shape.enter_r:
+        return replace(shape, enter_p=min(shape.enter_p, max(share * p, shape.least_p, 1.0)))
+    return replace(shape, enter_r=min(shape.enter_r, max(share * r, shape.least_r, 1.0)))
 
 
 def free_yaw(poses: Pose, up_in_child: Array, config: ShapeConfig) -> Array | None:

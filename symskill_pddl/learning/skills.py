@@ -41,8 +41,8 @@ class SkillConfig:
     """A loop is cut out if its ends are this near to each other; else the path begins after it."""
     retreat_quantile: float = 0.25
     """Retreats are cut at this quantile of the distances they reach."""
-    approach_m: tuple[float, float] = (0.003, 0.008)
-    approach_rad: tuple[float, float] = (float(np.radians(2.0)), float(np.radians(5.0)))
+    approach_m: tuple[float, float] = (0.004, 0.008)
+    approach_rad: tuple[float, float] = (float(np.radians(3.0)), float(np.radians(6.0)))
     motion_m: tuple[float, float] = (0.006, 0.012)
     motion_rad: tuple[float, float] = (float(np.radians(3.0)), float(np.radians(7.0)))
     retreat_m: tuple[float, float] = (0.02, 0.04)
@@ -201,4 +201,6 @@ def _tolerances(paths: Sequence[Trajectory], part: str, config: SkillConfig) -> 
         "motion": (config.motion_m, config.motion_rad),
         "retreat": (config.retreat_m, config.retreat_rad),
     }[part]
-    return float(np.clip(spread_p, *bounds[0])), float(np.clip(spread_r, *bounds[1]))
+    # one demonstration says nothing about the spread: the upper bound; many take it down
+    least_p, least_r = (high / len(paths) for _, high in bounds)
+    return float(np.clip(max(spread_p, least_p), *bounds[0])), float(np.clip(max(spread_r, least_r), *bounds[1]))
