@@ -25,6 +25,17 @@ def write_plan(plan: Plan) -> str:
     return "".join(line + "\n" for line in lines)
 
 
+def step_lines(output: str, domain: Domain) -> str:
+    """The lines of a program's output that are steps of known operators, for `read_plan`; everything else is talk."""
+    known = {op.name.lower() for op in domain.operators}
+    kept = []
+    for line in output.splitlines():
+        match = _STEP.fullmatch(line.partition(";")[0].strip())
+        if match and match[2].lower().split()[:1] and match[2].lower().split()[0] in known:
+            kept.append(line)
+    return "".join(line + "\n" for line in kept)
+
+
 def read_plan(text: str, domain: Domain, objects: Mapping[str, str], source: str = "<plan>") -> Plan:
     """Parse a plan; every step has to be a known operator with known objects of the right number and types.
 

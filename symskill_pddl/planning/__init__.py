@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 
 from symskill_pddl.errors import InputError, MissingDependencyError, alternatives
+from symskill_pddl.planning.command import Command
 from symskill_pddl.planning.explain import explain, nearest_goal, why_not
 from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, Planner, PlanResult, Status, Step
 from symskill_pddl.planning.pyperplan import Pyperplan
@@ -14,6 +15,7 @@ from symskill_pddl.planning.unified import UnifiedPlanning, engines
 __all__ = [
     "NO_EXTRA_COSTS",
     "Builtin",
+    "Command",
     "Limits",
     "PlanResult",
     "Planner",
@@ -28,7 +30,7 @@ __all__ = [
     "why_not",
 ]
 
-_FAMILIES = "pyperplan[:SEARCH:HEURISTIC], unified-planning:ENGINE"
+_FAMILIES = "pyperplan[:SEARCH:HEURISTIC], unified-planning:ENGINE, 'command:PROGRAM {domain} {problem}'"
 
 
 def planners(*, unified: bool = False) -> tuple[Planner, ...]:
@@ -66,6 +68,8 @@ def get(name: str = "auto") -> Planner:
     family, _, rest = name.partition(":")
     if family == "unified-planning" and rest:
         return UnifiedPlanning.checked(rest)
+    if family == "command" and rest:
+        return Command(rest)
     if family == "pyperplan":
         if not find_spec("pyperplan"):
             raise MissingDependencyError("the planner 'pyperplan' is not installed; pip install pyperplan")

@@ -25,7 +25,12 @@ class Limits:
     ground_operators: int = 200_000
     """Ground operators; beyond that the planner gives up with `Status.FAILED` before memory runs out."""
 
+    memory_mb: int = 4096
+    """Memory of a planner that is a program of its own [MiB]."""
+
     def __post_init__(self) -> None:
+        if self.memory_mb < 1:
+            raise InputError(f"a planner needs memory, got the limit {self.memory_mb} MiB")
         if not self.time_s > 0.0:
             raise InputError(f"a planner needs a time limit above zero, got {self.time_s:g} s")
         if self.ground_operators < 1:

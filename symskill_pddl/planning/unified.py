@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import time
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -39,12 +40,11 @@ def engines() -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class UnifiedPlanning:
-    """One engine. `dialect` is what is written for it; the engine is asked first whether it takes the problem."""
+    """One engine. Of `dialects` it gets the first that it says it supports, so what it cannot read is compiled down for it."""
 
     engine: str
-    dialect: str = "costs"
     licence: str = "Apache-2.0 (unified-planning); see the engine's own"
-    dialects: tuple[str, ...] = ("strips", "negative", "costs")
+    dialects: tuple[str, ...] = ("costs", "negative", "strips")
 
     @classmethod
     def checked(cls, engine: str) -> UnifiedPlanning:
@@ -80,20 +80,28 @@ class UnifiedPlanning:
 
         names = Names.of(domain, problem.object_types)
         exported_domain, exported_problem = names.domain(domain), names.problem(problem)
-        shortcuts = _unified()
-        shortcuts.get_environment().credits_stream = None
-        reader = import_module("unified_planning.io").PDDLReader()
-        translated = reader.parse_problem_string(
-            write_domain(exported_domain, dialect=self.dialect),
-            write_problem(exported_problem, exported_domain, dialect=self.dialect),
-        )
-        try:
-            with shortcuts.OneshotPlanner(name=self.engine) as engine:
-                if not engine.supports(translated.kind):
-                    return result(Status.FAILED, None, f"the engine '{self.engine}' does not support {translated.kind}")
-                answer = engine.solve(translated, timeout=limits.time_s, output_stream=io.StringIO())
-        except Exception as error:  # noqa: BLE001 - engines raise whatever they like; the status says that they failed
-            return result(Status.FAILED, None, f"{type(error).__name__}: {error}".splitlines()[0])
+        refused: list[str] = []
+        answer: Any = None
+        for dialect in self.dialects:
+            try:
+                texts = (
+                    write_domain(exported_domain, dialect=dialect),
+                    write_problem(exported_problem, exported_domain, dialect=dialect),
+                )
+            except InputError as error:
+                if dialect != "strips":
+                    raise
+                refused.append(str(error))
+                continue
+            try:
+                answer = self._ask(*texts, limits.time_s)
+            except Exception as error:  # noqa: BLE001 - engines raise whatever they like; the status says that they failed
+                return result(Status.FAILED, None, f"{type(error).__name__}: {' '.join(str(error).split())}")
+            if answer is not None:
+                break
+            refused.append(f"the engine '{self.engine}' does not support the dialect '{dialect}' of this domain")
+        if answer is None:
+            return result(Status.FAILED, None, *refused)
         status = answer.status.name
         if status in _SOLVED and answer.plan is not None:
             text = "\n".join(
@@ -109,3 +117,14 @@ class UnifiedPlanning:
         if status == "TIMEOUT":
             return result(Status.TIMEOUT, None, f"the time limit of {limits.time_s:g} s passed")
         return result(Status.FAILED, None, f"the engine ended with the status {status}")
+
+    def _ask(self, domain_text: str, problem_text: str, time_s: float) -> Any:
+        """What the engine answers, or None where it does not support the problem."""
+        shortcuts = _unified()
+        shortcuts.get_environment().credits_stream = None
+        translated = import_module("unified_planning.io").PDDLReader().parse_problem_string(domain_text, problem_text)
+        with warnings.catch_warnings(), shortcuts.OneshotPlanner(name=self.engine) as engine:
+            warnings.simplefilter("ignore")  # engines that know no time limit say so on every call
+            if not engine.supports(translated.kind):
+                return None
+            return engine.solve(translated, timeout=time_s, output_stream=io.StringIO())

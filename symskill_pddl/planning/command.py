@@ -1,0 +1,147 @@
+"""`command:TEMPLATE`: any planner that is a program, like ``command:popf {domain} {problem}``.
+
+The program is run without a shell, in a folder of its own, with limits on time, memory and output; when it ends, so does every
+process it started. Its plan is read from the file that `{plan}` names, or from what it prints. A plan is only believed after it was
+run by our own semantics.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import resource
+import shlex
+import signal
+import subprocess
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from symskill_pddl.errors import InputError
+from symskill_pddl.pddl.export import write_domain, write_problem
+from symskill_pddl.pddl.names import Names
+from symskill_pddl.pddl.plan import read_plan, step_lines
+from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Status, Step
+from symskill_pddl.symbols import Domain, Plan, Problem, validate
+
+_UNSOLVABLE = re.compile(r"\bunsolvable\b|no plan exists|provably no solution", re.IGNORECASE)
+_GRACE_S = 0.5
+"""Between asking a program to end and ending it."""
+_OUTPUT_BYTES = 50_000_000
+
+
+@dataclass(frozen=True)
+class Command:
+    """A program with `{domain}` and `{problem}` in its arguments, and `{plan}` if it writes the plan to a file."""
+
+    template: str
+    dialect: str = "negative"
+    version: str = "unknown"
+    licence: str = "unknown"
+
+    def __post_init__(self) -> None:
+        if "{domain}" not in self.template or "{problem}" not in self.template:
+            raise InputError(f"a planner command needs {{domain}} and {{problem}} in it, got '{self.template}'")
+        try:
+            words = shlex.split(self.template)
+        except ValueError as error:
+            raise InputError(f"the planner command '{self.template}' cannot be split into words: {error}") from None
+        if unknown := sorted(set(re.findall(r"{(\w*)}", " ".join(words))) - {"domain", "problem", "plan"}):
+            raise InputError(f"the planner command has the unknown field '{{{unknown[0]}}}'; there are: domain, plan, problem")
+
+    @property
+    def name(self) -> str:
+        return f"command:{self.template}"
+
+    @property
+    def dialects(self) -> tuple[str, ...]:
+        return (self.dialect,)
+
+    def solve(
+        self,
+        domain: Domain,
+        problem: Problem,
+        limits: Limits = Limits(),
+        extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS,
+    ) -> PlanResult:
+        """Plan; extra costs of ground steps are ignored, which a message says.
+
+        Raises
+        ------
+        InputError
+            The problem does not fit the domain, the domain does not fit the dialect, or the program does not exist.
+        """
+        begin = time.monotonic()
+        ignored = ("a command ignores the extra costs of ground steps",) if any(extra_costs.values()) else ()
+
+        def result(status: Status, plan: Plan | None = None, *messages: str) -> PlanResult:
+            return PlanResult(status, plan, time.monotonic() - begin, (*messages, *ignored), self.name)
+
+        names = Names.of(domain, problem.object_types)
+        exported_domain, exported_problem = names.domain(domain), names.problem(problem)
+        texts = {
+            "domain": write_domain(exported_domain, dialect=self.dialect),
+            "problem": write_problem(exported_problem, exported_domain, dialect=self.dialect),
+        }
+        with TemporaryDirectory(prefix="symskill-") as folder:
+            files = {field: Path(folder) / f"{field}.pddl" for field in texts} | {"plan": Path(folder) / "plan.txt"}
+            for field, text in texts.items():
+                files[field].write_text(text, encoding="utf-8")
+            words = [re.sub(r"{(\w+)}", lambda m: str(files[m[1]]), word) for word in shlex.split(self.template)]
+            output = Path(folder) / "output.txt"
+            exit_status = _run(words, Path(folder), output, limits)
+            printed = output.read_text(encoding="utf-8", errors="replace")
+            text = files["plan"].read_text(encoding="utf-8", errors="replace") if files["plan"].exists() else ""
+        if not text and "{plan}" not in self.template:
+            text = step_lines(printed, exported_domain)
+        if text:
+            try:
+                plan = names.inverse().plan(read_plan(text, exported_domain, exported_problem.object_types, words[0]))
+                validate(domain, problem, plan)
+            except InputError as error:
+                return result(Status.FAILED, None, f"what '{words[0]}' gives is not a plan: {error}")
+            cost = sum(step.cost for step in plan.ground(domain, problem.object_types))
+            return result(Status.SOLVED, Plan(plan.steps, cost))
+        if problem.goal <= problem.init:
+            return result(Status.SOLVED, Plan((), 0.0), "the goal holds already")
+        if exit_status is None:
+            return result(Status.TIMEOUT, None, f"the time limit of {limits.time_s:g} s passed")
+        if found := _UNSOLVABLE.search(printed):
+            return result(Status.UNSOLVABLE, None, f"'{words[0]}' says '{found[0]}'")
+        last = (printed.strip().splitlines() or ["nothing"])[-1]
+        return result(Status.FAILED, None, f"'{words[0]}' ended with status {exit_status} and no plan; it said last: {last}")
+
+
+def _run(words: list[str], folder: Path, output: Path, limits: Limits) -> int | None:
+    """Exit status, or None where the time ran out. Leaves no process of the program behind."""
+    with output.open("wb") as stream:
+        try:
+            process = subprocess.Popen(
+                words, cwd=folder, stdin=subprocess.DEVNULL, stdout=stream, stderr=subprocess.STDOUT, start_new_session=True
+            )
+        except OSError as error:
+            raise InputError(f"cannot run the planner '{words[0]}': {error.strerror}") from None
+        try:
+            if hasattr(resource, "prlimit"):
+                memory = limits.memory_mb * 1024 * 1024
+                with contextlib.suppress(ProcessLookupError, PermissionError):
+                    resource.prlimit(process.pid, resource.RLIMIT_AS, (memory, memory))
+                    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (_OUTPUT_BYTES, _OUTPUT_BYTES))
+            try:
+                return process.wait(limits.time_s)
+            except subprocess.TimeoutExpired:
+                _signal(process.pid, signal.SIGTERM)
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    process.wait(_GRACE_S)
+                return None
+        finally:
+            _signal(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+def _signal(group: int, number: signal.Signals) -> None:
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(group, number)

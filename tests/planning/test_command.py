@@ -1,0 +1,123 @@
+"""Programs as planners, played by small scripts."""
+
+import os
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from random_domains import atoms, covered_egg, kitchen
+
+from symskill_pddl.errors import InputError
+from symskill_pddl.pddl import write_plan
+from symskill_pddl.planning import Builtin, Command, Limits, Status, get
+from symskill_pddl.symbols import Plan, validate
+
+GOOD = write_plan(Builtin().solve(kitchen(), covered_egg()).unwrap())
+
+
+def program(tmp_path, code, fields="{domain} {problem}"):
+    script = tmp_path / "planner.py"
+    script.write_text(f"import sys, os, time\ndomain, problem, *rest = sys.argv[1:]\nplan = {GOOD!r}\n{code}\n")
+    return Command(f"{sys.executable} {script} {fields}")
+
+
+def test_a_plan_that_is_printed_among_other_things(tmp_path):
+    code = "print('Parsing', domain); print('(not a step)'); print(plan.upper().replace('; COST', '; cost')); print('Done (ok)')"
+    result = program(tmp_path, code).solve(kitchen(), covered_egg())
+    validate(kitchen(), covered_egg(), result.unwrap())
+    assert result.plan.cost == 18.75
+
+
+def test_a_plan_in_a_file(tmp_path):
+    result = program(tmp_path, "open(rest[0], 'w').write(plan)", "{domain} {problem} {plan}").solve(kitchen(), covered_egg())
+    assert len(result.unwrap()) == 8
+
+
+def test_the_program_reads_what_we_wrote(tmp_path):
+    code = "assert 'define (domain kitchen)' in open(domain).read() and ':goal' in open(problem).read(); print(plan)"
+    assert program(tmp_path, code).solve(kitchen(), covered_egg()).status is Status.SOLVED
+
+
+def test_a_wrong_plan_is_not_believed(tmp_path):
+    result = program(tmp_path, "print(plan.split('\\n', 1)[1])").solve(kitchen(), covered_egg())
+    assert result.status is Status.FAILED
+    assert "is not a plan: plan step 1" in result.messages[0]
+
+
+@pytest.mark.parametrize(
+    ("code", "status", "message"),
+    [
+        ("print('no solution'); sys.exit(1)", Status.FAILED, "ended with status 1 and no plan; it said last: no solution"),
+        ("print('Problem proven unsolvable.')", Status.UNSOLVABLE, "says 'unsolvable'"),
+        ("os.abort()", Status.FAILED, "ended with status -6"),
+        ("x = bytearray(400_000_000)", Status.FAILED, "MemoryError"),
+    ],
+)
+def test_other_ends_are_kept_apart(tmp_path, code, status, message):
+    result = program(tmp_path, code).solve(kitchen(), covered_egg(), Limits(memory_mb=300))
+    assert result.status is status
+    assert message in result.messages[0]
+
+
+def test_time_runs_out_and_no_process_is_left(tmp_path):
+    code = "import subprocess as s; c = s.Popen([sys.executable, '-c', 'import time; time.sleep(60)']); "
+    code += f"open({str(tmp_path / 'pid')!r}, 'w').write(str(c.pid)); time.sleep(60)"
+    result = program(tmp_path, code).solve(kitchen(), covered_egg(), Limits(time_s=0.8))
+    assert result.status is Status.TIMEOUT
+    assert result.seconds < 5.0
+    child = int((tmp_path / "pid").read_text())
+    for _ in range(50):
+        try:
+            os.kill(child, 0)
+        except ProcessLookupError:
+            return
+        if ") Z " in Path(f"/proc/{child}/stat").read_text():  # ended, and nobody has asked for its status
+            return
+        time.sleep(0.05)
+    pytest.fail("the child still runs")
+
+
+def test_a_goal_that_holds_needs_no_output(tmp_path):
+    result = program(tmp_path, "").solve(kitchen(), replace(covered_egg(), goal=atoms("gripper-open")))
+    assert result.plan == Plan()
+
+
+def test_extra_costs_are_ignored_aloud(tmp_path):
+    result = program(tmp_path, "print(plan)").solve(kitchen(), covered_egg(), Limits(), {("pick-lid", ("lid-a", "pan-a")): 1.0})
+    assert "ignores the extra costs" in result.messages[0]
+
+
+@pytest.mark.parametrize(
+    ("template", "message"),
+    [
+        ("popf", r"needs \{domain\} and \{problem\}"),
+        ("popf {domain} {problem} {colour}", r"unknown field '\{colour\}'; there are: domain, plan, problem"),
+        ("popf '{domain} {problem}", "cannot be split"),
+    ],
+)
+def test_bad_templates(template, message):
+    with pytest.raises(InputError, match=message):
+        Command(template)
+
+
+def test_a_program_that_is_not_there():
+    with pytest.raises(InputError, match="cannot run the planner 'no-such-planner': No such file"):
+        Command("no-such-planner {domain} {problem}").solve(kitchen(), covered_egg())
+
+
+def test_a_shell_is_not_used(tmp_path):
+    result = Command(f"echo {{domain}} {{problem}} ; touch {tmp_path}/pwned").solve(kitchen(), covered_egg())
+    assert result.status is Status.FAILED
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_by_name():
+    assert get("command:popf {domain} {problem}") == Command("popf {domain} {problem}")
+    assert get("command:popf {domain} {problem}").dialects == ("negative",)
+
+
+def test_memory_limit_is_positive():
+    with pytest.raises(InputError, match="needs memory"):
+        Limits(memory_mb=0)
