@@ -266,7 +266,8 @@ def _place_of(members: Sequence[Placement], joint: Joint | None, config: Predica
     if joint is None:
         up = np.mean([p.rest.T_world_obj.inverse().rotate(UP) for p in members], axis=0)
         axis = free_yaw(poses, up / np.linalg.norm(up), config.free_shape)
-        shape = fit_shape(poses, len(members), config.free_shape, axis)
+        above = np.mean([_up_in_ref(p) for p in members], axis=0)
+        shape = fit_shape(poses, len(members), config.free_shape, axis, above / np.linalg.norm(above))
         coordinate = 0.0
     else:
         shape = fit_shape(poses, len(members), config.joint_shape)

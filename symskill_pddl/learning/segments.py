@@ -39,6 +39,8 @@ class SegmentConfig:
     leave_m_s: float = 0.01
     enter_rad_s: float = 0.10
     leave_rad_s: float = 0.05
+    reach_m: float = 0.15
+    """What moves farther than this from the hand (from its box to the hand, if its extents are known) falls or rolls."""
     merge_gap_s: float = 0.25
     held_m: float = 0.02
     held_rad: float = float(np.radians(15.0))
@@ -202,7 +204,7 @@ def segment(demo: Demo, config: SegmentConfig | None = None) -> tuple[Episode, .
     episodes: list[Episode] = []
     free_since = 0
     for motion, carrier in zip(moved, carriers, strict=True):
-        if carrier is not motion:
+        if carrier is not motion or not _by_hand(demo, motion, still, config):
             continue
         along = tuple(sorted({m.obj for m, c in zip(moved, carriers, strict=True) if c is motion and m is not motion}))
         following = min(
@@ -232,15 +234,30 @@ def segment(demo: Demo, config: SegmentConfig | None = None) -> tuple[Episode, .
     return tuple(episodes)
 
 
+def _by_hand(demo: Demo, motion: Motion, still: Mask, config: SegmentConfig) -> bool:
+    """Whether the hand can have moved it: it moves too, and it is near."""
+    span = slice(motion.start, motion.stop)
+    half = demo.extents.get(demo.objects[motion.obj])
+    gap = np.linalg.norm(_outside(demo, motion, half), axis=-1) if half is not None else np.zeros(1)
+    return bool(not still[span].all() and np.median(gap) < config.reach_m)
+
+
+def _outside(demo: Demo, motion: Motion, half: tuple[float, float, float]) -> Array:
+    """How far the hand is from the object's box, per axis of the object (n, 3)."""
+    span = slice(motion.start, motion.stop)
+    in_obj = demo.pose(motion.obj)[span].inverse() @ demo.T_world_ee[span]
+    return np.maximum(np.abs(in_obj.p) - np.array(half), 0.0)
+
+
 def _carrier(demo: Demo, motion: Motion, moved: Sequence[Motion]) -> Motion:
     """The motion that carries this one along: itself, or one that it shares at least half of the shorter's time with."""
 
     def score(m: Motion, start: int, stop: int) -> float:
         T_ee_obj = demo.T_world_ee[start:stop].inverse() @ demo.pose(m.obj)[start:stop]
         slip = float(np.linalg.norm(T_ee_obj.p.std(axis=0)))
-        half = np.array(demo.extents.get(demo.objects[m.obj], (0.0, 0.0, 0.0)))
-        in_obj = np.abs(T_ee_obj.inverse().p)
-        return slip + 0.5 * float(np.median(np.linalg.norm(np.maximum(in_obj - half, 0.0), axis=-1)))
+        half = demo.extents.get(demo.objects[m.obj], (0.0, 0.0, 0.0))
+        away = np.linalg.norm(_outside(demo, Motion(m.obj, start, stop), half), axis=-1)
+        return slip + 0.5 * float(np.median(away))
 
     best = motion
     for other in moved:

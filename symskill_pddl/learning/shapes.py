@@ -27,6 +27,8 @@ class ShapeConfig:
     floor_rad: float = float(np.radians(0.7))
     prior_m: float = 0.02
     prior_rad: float = float(np.radians(8.0))
+    prior_up_m: float = 0.005
+    """In place of `prior_m` along the vertical, where one is given: what rests on something rests at its height."""
     quantile: float = 0.99
     """Of the chi-square distribution with 3 degrees of freedom: the entering radius, times ``1 + 1/n``."""
     stretch: float = 1.5
@@ -66,7 +68,9 @@ class Shape:
         )
 
 
-def fit_shape(poses: Pose, n: int, config: ShapeConfig, free_axis: Array | None = None) -> Shape:
+def fit_shape(
+    poses: Pose, n: int, config: ShapeConfig, free_axis: Array | None = None, up_in_parent: Array | None = None
+) -> Shape:
     """Two independent Gaussians over poses (m,), which stem from `n` independent observations.
 
     Rotation residuals are taken in the tangent space at the Karcher mean; the turn about `free_axis` (child's frame) is left out.
@@ -79,6 +83,8 @@ def fit_shape(poses: Pose, n: int, config: ShapeConfig, free_axis: Array | None 
     dp = poses.p - mean.p
     dr = quat_log(relative if free_axis is None else swing(relative, free_axis))
     cov_p = dp.T @ dp / len(dp) * (n / max(n - 1, 1)) + np.eye(3) * (config.floor_m**2 + config.prior_m**2 / n)
+    if up_in_parent is not None:
+        cov_p += np.outer(up_in_parent, up_in_parent) * (config.prior_up_m**2 - config.prior_m**2) / n
     cov_r = dr.T @ dr / len(dr) * (n / max(n - 1, 1)) + np.eye(3) * (config.floor_rad**2 + config.prior_rad**2 / n)
     radius = float(np.sqrt(chi2.ppf(config.quantile, 3))) * (1.0 + 1.0 / n)
     least_p, least_r = 1.05 * float(_radii(dp, cov_p).max()), 1.05 * float(_radii(dr, cov_r).max())

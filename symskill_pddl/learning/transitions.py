@@ -107,6 +107,8 @@ def transitions(
         else:
             notes.append(f"{e}: {start} does not hold when the hand sets out; its approach is left out")
         if end is None:
+            if e.after is None:
+                notes.append(f"{e}: the recording ends with it in the hand, so nothing shows where it is put; a pick only")
             continue
         leaves = ~truth[holds]
         opens = truth.get(Atom(GRIPPER_OPEN), never)
