@@ -18,9 +18,9 @@ class MotionConfig:
     settle_speed, settle_min_s, settle_max_s
         The fingers have settled when the aperture changes more slowly than this [m/s], not before and at the latest after
         these times [s] since they were told to move.
-    rest_speed, rest_s, loose
-        A phase is also over when the hand has been at rest (slower than this [m/s], for this long [s]) within `loose` times
-        the phase's tolerances: contact or the controller's compliance may keep it from the exact goal for ever.
+    rest_speed, rest_turn, rest_s, loose
+        A phase is also over when the hand has been at rest (slower than these [m/s], [rad/s], for this long [s]) within `loose`
+        times the phase's tolerances: contact or the controller's compliance may keep it from the exact goal for ever.
     avoid, obstacle_limit, obstacle_clearance
         Whether to flow around other objects; the largest half size [m] of a type taken for an obstacle (walls and fixtures
         are no ellipsoids); what is added to the half sizes for the hand's own [m].
@@ -32,6 +32,7 @@ class MotionConfig:
     settle_min_s: float = 0.2
     settle_max_s: float = 1.5
     rest_speed: float = 0.01
+    rest_turn: float = 0.05
     rest_s: float = 0.4
     loose: float = 3.0
     avoid: bool = True
@@ -39,7 +40,7 @@ class MotionConfig:
     obstacle_clearance: float = 0.04
 
     def __post_init__(self) -> None:
-        for name in ("max_speed", "max_turn", "settle_speed", "settle_max_s", "rest_speed", "rest_s"):
+        for name in ("max_speed", "max_turn", "settle_speed", "settle_max_s", "rest_speed", "rest_turn", "rest_s"):
             if not getattr(self, name) > 0:
                 raise InputError(f"{name} has to be positive, got {getattr(self, name)!r}")
         if not 0 <= self.settle_min_s <= self.settle_max_s:
@@ -67,13 +68,15 @@ class ExecutionConfig:
         they cannot be dropped, and a hand may let go of them and push on.
     stall_s, still_speed, still_turn
         A skill whose nominal twist is below these [m/s], [rad/s] for this long [s] has come to rest.
+    blocked_s : float
+        A hand that is told to move and has been at rest for this long [s] is blocked: it goes back before the next try.
     failure_cost : float
         Added to the cost of a ground step for each of its failures.
     sample_growth, sample_most : float
         The n-th retry samples its goal within ``n * sample_growth`` of the effect predicate's radii, at most `sample_most`: on
         the very edge of the predicate the smallest error would undo it.
-    observe_s : float
-        How long to stand still and look when there is no plan [s].
+    observe_s, quiet_s : float
+        How long to stand still and look when there is no plan [s]; less where nothing has moved for `quiet_s`.
     retreat_m, back_off_m
         How far to go back along the own path, and along the hand's axis after opening the fingers [m].
     assume : bool
@@ -89,12 +92,14 @@ class ExecutionConfig:
     budget_margin_s: float = 5.0
     grace_s: float = 1.0
     stall_s: float = 0.75
+    blocked_s: float = 2.0
     still_speed: float = 0.005
     still_turn: float = 0.03
     failure_cost: float = 10.0
     sample_growth: float = 0.4
     sample_most: float = 0.8
     observe_s: float = 3.0
+    quiet_s: float = 1.0
     retreat_m: float = 0.2
     back_off_m: float = 0.08
     assume: bool = True
@@ -110,6 +115,7 @@ class ExecutionConfig:
             "sample_growth",
             "sample_most",
             "stall_s",
+            "blocked_s",
         ):
             if not getattr(self, name) > 0:
                 raise InputError(f"{name} has to be positive, got {getattr(self, name)!r}")

@@ -145,6 +145,12 @@ class Deliberation:
         arrived = self._body.back_off(self._config.back_off_m)
         self._journal.recovered("recover-clear", reason, _ended(arrived), begin)
 
+    def retreat(self, reason: str) -> None:
+        """Back along the own path."""
+        begin = self._body.now
+        arrived = self._body.go_back(self._config.retreat_m)
+        self._journal.recovered("recover-retreat", reason, _ended(arrived), begin)
+
     def _try_open(self, reason: str) -> Planned | None:
         if not self._belief.empty_fist(self._body.state):
             return None
@@ -152,18 +158,20 @@ class Deliberation:
         return self.plan(reason)
 
     def _try_observe(self, reason: str) -> Planned | None:
-        tried, found = self._body.state, None
+        tried, found, moved = self._body.state, None, self._body.now
 
         def look() -> bool:
-            nonlocal tried, found
+            nonlocal tried, found, moved
+            if len(self._body.resting()) < len(self._objects):
+                moved = self._body.now
             if self._body.state != tried:
                 tried = self._body.state
                 found = self.plan(reason)
-            return found is not None or self.reached()
+            return found is not None or self.reached() or self._body.now - moved > self._config.quiet_s
 
         begin = self._body.now
-        changed = self._body.hold(self._config.observe_s, look)
-        result = "a way on" if changed else "no change that helps"
+        self._body.hold(self._config.observe_s, look)
+        result = "a way on" if found is not None or self.reached() else "no change that helps"
         self._journal.recovered("recover-observe", "no plan from here, watching for a change", result, begin)
         return found
 
@@ -194,8 +202,7 @@ class Deliberation:
             journal.recovered("recover-return", "no plan with what is held: putting it back", _ended(arrived), begin)
             self.open_up("put back")
         else:
-            arrived = body.go_back(self._config.retreat_m)
-            journal.recovered("recover-retreat", "no plan from here: back along the own path", _ended(arrived), begin)
+            self.retreat("no plan from here")
         body.hold(0.5)
         return self.plan(reason)
 

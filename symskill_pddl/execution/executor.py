@@ -204,6 +204,8 @@ class _Run:
                     return f"{watch.step}: {verdict.reason}"
                 case _:
                     self.belief.blame(watch, verdict)
+                    if isinstance(verdict, Stalled) and verdict.blocked:
+                        self.mind.retreat(verdict.reason)
                     return f"{watch.step}: {verdict.reason}"
         return "the plan ended without the goal"
 
@@ -217,7 +219,15 @@ class _Run:
             body.step(motion.command)
             begin = perf_counter()
             tick = Tick(
-                body.now, body.state, motion.stage, motion.stage_s, motion.settling, body.closing, motion.speed, motion.turn
+                now_s=body.now,
+                state=body.state,
+                stage=motion.stage,
+                stage_s=motion.stage_s,
+                settling=motion.settling,
+                closing=body.closing,
+                speed=motion.speed,
+                turn=motion.turn,
+                rest_s=motion.rest_s,
             )
             judgement = judge(watch, tick, memory)
             verdict, memory = judgement.verdict, judgement.memory
@@ -263,6 +273,7 @@ class _Run:
             budget_s=config.budget_factor * learned.duration_s[1] + config.budget_margin_s,
             grace_s=config.grace_s + hinged_s,
             stall_s=config.stall_s,
+            blocked_s=config.blocked_s,
             still_speed=config.still_speed,
             still_turn=config.still_turn,
         )

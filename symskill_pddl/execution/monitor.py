@@ -74,9 +74,14 @@ class Violation:
 
 @dataclass(frozen=True)
 class Stalled:
-    """The skill has come to rest by itself and the effects do not hold: this step is to blame."""
+    """The step gets nowhere and the effects do not hold: this step is to blame.
+
+    `blocked` is False where the skill has come to rest by itself, and True where something holds the hand, so that the next try
+    had better begin elsewhere.
+    """
 
     reason: str
+    blocked: bool = False
 
 
 @dataclass(frozen=True)
@@ -129,8 +134,9 @@ class Watch:
         Atoms the planner was told without being observed; preconditions may rest on them, and nothing protects them.
     phases, exit_s
         Number of the skill's phases, and how long the last one lasted in the demonstrations [s].
-    budget_s, grace_s, stall_s
-        Time for the whole step; from the fall of a deleted atom to the effects; of rest before a stall is called [s].
+    budget_s, grace_s, stall_s, blocked_s
+        Time for the whole step; from the fall of a deleted atom to the effects; of a nominal twist near zero before a stall is
+        called; of a hand at rest that is told to move [s].
     still_speed, still_turn
         Nominal twist below which the skill is at rest [m/s], [rad/s].
     """
@@ -148,6 +154,7 @@ class Watch:
     budget_s: float
     grace_s: float
     stall_s: float
+    blocked_s: float
     still_speed: float
     still_turn: float
 
@@ -215,6 +222,8 @@ class Tick:
         What the fingers are told.
     speed, turn
         Norms of the nominal twist, before modulation [m/s], [rad/s].
+    rest_s : float
+        How long the hand has been at rest, as measured [s].
     """
 
     now_s: float
@@ -225,6 +234,7 @@ class Tick:
     closing: bool
     speed: float
     turn: float
+    rest_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -280,8 +290,10 @@ def judge(watch: Watch, tick: Tick, memory: Memory) -> Judgement:
     fingers
        were told to hold is a lost grasp and blames the acquiring step; what follows from the step's own release or closing
        blames the step; anything else is external;
-    5. the nominal twist has been small for a while: stalled;
+    5. the nominal twist has been small for a while: stalled; or it has not, and yet the hand does not move: blocked;
     6. the time budget is used up: over time.
+
+    The paper takes any stop for the end of a skill; here one that an obstacle or a contact causes is never taken for success.
     """
     memory = _remember(watch, tick, memory)
     return Judgement(_decide(watch, tick, memory), memory)
@@ -324,6 +336,11 @@ def _decide(watch: Watch, tick: Tick, memory: Memory) -> Verdict:
         return _late(watch, tick, late)
     if memory.still_since is not None and tick.now_s - memory.still_since >= watch.stall_s:
         return Stalled(f"at rest for {tick.now_s - memory.still_since:.2f} s without {_text(_unmet(watch, tick.state))}")
+    if tick.rest_s >= watch.blocked_s and not tick.settling and memory.still_since is None:
+        told = f"{tick.speed:.2f} m/s and {tick.turn:.2f} rad/s"
+        return Stalled(
+            f"blocked: told {told}, at rest for {tick.rest_s:.1f} s without {_text(_unmet(watch, tick.state))}", blocked=True
+        )
     if over:
         return OverTime(f"{elapsed:.1f} s of {watch.budget_s:.1f} s used without {_text(_unmet(watch, tick.state))}")
     return Continue("under way")

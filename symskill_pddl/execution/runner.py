@@ -13,7 +13,7 @@ import numpy as np
 from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.execution.config import MotionConfig
 from symskill_pddl.execution.recovery import capped
-from symskill_pddl.geometry import Array, Pose
+from symskill_pddl.geometry import Array, Pose, rotation_distance
 from symskill_pddl.scene import Command, Scene
 from symskill_pddl.skills import Ellipsoid, Phase, Skill, modulate
 
@@ -57,6 +57,7 @@ class Motion:
     settling: bool
     speed: float
     turn: float
+    rest_s: float
 
 
 class SkillRun:
@@ -132,6 +133,7 @@ class SkillRun:
             settling,
             float(np.linalg.norm(nominal[:3])),
             float(np.linalg.norm(nominal[3:])),
+            scene.time - self._rest_since,
         )
 
     def _advance(self, scene: Scene) -> None:
@@ -160,8 +162,9 @@ class SkillRun:
     def _note_rest(self, scene: Scene) -> None:
         dt = scene.time - self._previous.time
         moved = float(np.linalg.norm(scene.T_world_ee.p - self._previous.T_world_ee.p))
+        turned = float(rotation_distance(scene.T_world_ee, self._previous.T_world_ee))
         self._previous = scene
-        if dt <= 0 or moved / dt > self._config.rest_speed:
+        if dt <= 0 or moved / dt > self._config.rest_speed or turned / dt > self._config.rest_turn:
             self._rest_since = scene.time
 
     def _frame(self, phase: Phase, scene: Scene) -> tuple[Pose, Pose]:

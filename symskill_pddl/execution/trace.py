@@ -21,6 +21,7 @@ from symskill_pddl.execution.monitor import (
     EffectsHold,
     JumpAhead,
     Memory,
+    Stalled,
     Tick,
     Verdict,
     Violation,
@@ -93,6 +94,7 @@ class VerdictLine(_Line):
     violation: str | None = None
     atoms: tuple[Row, ...] = ()
     blame: str | None = None
+    blocked: bool | None = None
 
 
 class StepLine(_Line):
@@ -112,6 +114,7 @@ class StepLine(_Line):
     budget_s: float
     grace_s: float
     stall_s: float
+    blocked_s: float
     still_speed: float
     still_turn: float
     attempt: int
@@ -131,6 +134,7 @@ class TickLine(_Line):
     closing: bool
     speed: float
     turn: float
+    rest_s: float
     added: tuple[Row, ...]
     removed: tuple[Row, ...]
     verdict: VerdictLine
@@ -334,6 +338,7 @@ def step_line(watch: Watch, verdict: Verdict, *, attempt: int, shift: tuple[floa
         budget_s=watch.budget_s,
         grace_s=watch.grace_s,
         stall_s=watch.stall_s,
+        blocked_s=watch.blocked_s,
         still_speed=watch.still_speed,
         still_turn=watch.still_turn,
         attempt=attempt,
@@ -358,6 +363,7 @@ def load_watch(line: StepLine) -> Watch:
         budget_s=line.budget_s,
         grace_s=line.grace_s,
         stall_s=line.stall_s,
+        blocked_s=line.blocked_s,
         still_speed=line.still_speed,
         still_turn=line.still_turn,
     )
@@ -373,6 +379,7 @@ def tick_line(tick: Tick, before: State, verdict: Verdict, ms: dict[str, float])
         closing=tick.closing,
         speed=tick.speed,
         turn=tick.turn,
+        rest_s=tick.rest_s,
         added=rows(tick.state - before),
         removed=rows(before - tick.state),
         verdict=verdict_line(verdict),
@@ -382,7 +389,7 @@ def tick_line(tick: Tick, before: State, verdict: Verdict, ms: dict[str, float])
 
 def load_tick(line: TickLine, state: State) -> Tick:
     """What the monitor was given at that tick."""
-    return Tick(line.time, state, line.stage, line.stage_s, line.settling, line.closing, line.speed, line.turn)
+    return Tick(line.time, state, line.stage, line.stage_s, line.settling, line.closing, line.speed, line.turn, line.rest_s)
 
 
 def verdict_line(verdict: Verdict) -> VerdictLine:
@@ -395,5 +402,7 @@ def verdict_line(verdict: Verdict) -> VerdictLine:
             return VerdictLine(kind=kind, reason=reason, violation=violation.value, atoms=rows(atoms), blame=blame.value)
         case Continue(reason) | EffectsHold(reason):
             return VerdictLine(kind=kind, reason=reason)
+        case Stalled(reason, blocked):
+            return VerdictLine(kind=kind, reason=reason, blocked=blocked)
         case _:
             return VerdictLine(kind=kind, reason=verdict.reason)

@@ -214,17 +214,38 @@ class TestFailures:
     def test_a_hand_that_cannot_move_runs_out_of_time_and_of_plans(self):
         world = FakeWorld()
         world.frozen = True
-        outcome = run(world, config=ExecutionConfig(max_replans=2, budget_margin_s=0.5, budget_factor=0.5))
+        outcome = run(world, config=ExecutionConfig(max_replans=2, budget_margin_s=0.5, budget_factor=0.5, blocked_s=99.0))
         assert outcome.category is Category.REPLANS
         assert outcome.replans == 2
         assert verdicts(outcome) == ["OverTime"] * 3
         assert [s.attempt for s in outcome.steps] == [0, 1, 2]
+        assert outcome.recoveries == ()
         assert "reach-closed-door" in outcome.reason
+
+    def test_a_blocked_hand_goes_back_and_tries_again(self):
+        world = FakeWorld(angle=1.5)
+        free = world.step
+
+        def walled(command):
+            # a wall across the way, until somebody takes it away
+            before = world.ee
+            scene = free(command)
+            if world.time < 4.0 and world.ee.p[1] < -0.25:
+                world.ee = before
+                scene = world.observe()
+            return scene
+
+        world.step = walled
+        outcome = run(world)
+        assert outcome.success
+        assert verdicts(outcome)[0] == "Stalled"
+        assert "blocked" in outcome.steps[0].reason
+        assert outcome.recoveries == ("recover-retreat",)
 
     def test_time_limit(self):
         world = FakeWorld()
         world.frozen = True
-        outcome = run(world, config=ExecutionConfig(max_time_s=5.0, budget_margin_s=0.5, budget_factor=0.5))
+        outcome = run(world, config=ExecutionConfig(max_time_s=5.0, budget_margin_s=0.5, budget_factor=0.5, blocked_s=99.0))
         assert outcome.category is Category.TIME
 
     def test_unreachable_goal_says_why(self):

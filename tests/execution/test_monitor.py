@@ -43,7 +43,15 @@ PLACED = atoms("gripper-open", "in x cabinet", "open door")
 
 def watch(step=PICK, later=(), state=AT_COUNTER, inherited="", assumed="", **changes):
     sets = {"inherited": atoms(*filter(None, [inherited])), "assumed": atoms(*filter(None, [assumed]))}
-    times = {"exit_s": 1.0, "budget_s": 10.0, "grace_s": 1.0, "stall_s": 0.5, "still_speed": 0.01, "still_turn": 0.05}
+    times = {
+        "exit_s": 1.0,
+        "budget_s": 10.0,
+        "grace_s": 1.0,
+        "stall_s": 0.5,
+        "blocked_s": 2.0,
+        "still_speed": 0.01,
+        "still_turn": 0.05,
+    }
     return Watch(
         step=step,
         index=0,
@@ -57,8 +65,8 @@ def watch(step=PICK, later=(), state=AT_COUNTER, inherited="", assumed="", **cha
     )
 
 
-def tick(now=0.1, state=AT_COUNTER, stage=0, stage_s=0.0, settling=False, closing=False, speed=0.2, turn=0.0):
-    return Tick(now, state, stage, stage_s, settling, closing, speed, turn)
+def tick(now=0.1, state=AT_COUNTER, stage=0, stage_s=0.0, settling=False, closing=False, speed=0.2, turn=0.0, rest_s=0.0):
+    return Tick(now, state, stage, stage_s, settling, closing, speed, turn, rest_s)
 
 
 def verdicts(w, *ticks):
@@ -250,6 +258,16 @@ class TestRest:
     def test_a_new_phase_starts_anew(self):
         assert isinstance(last(watch(), tick(1.0, speed=0.0), tick(1.6, stage=1, speed=0.0)), Continue)
 
+    def test_a_blocked_hand(self):
+        found = last(watch(), tick(5.0, rest_s=2.0))
+        assert isinstance(found, Stalled)
+        assert found.blocked
+        assert "blocked: told 0.20 m/s" in found.reason
+        assert isinstance(last(watch(), tick(5.0, rest_s=1.9)), Continue)
+        assert isinstance(last(watch(), tick(5.0, rest_s=9.0, settling=True)), Continue)
+        # one that is not told to move is not blocked
+        assert not last(watch(), *(tick(t, speed=0.0, rest_s=9.0) for t in (1.0, 2.0))).blocked
+
     def test_over_time(self):
         assert isinstance(last(watch(), tick(10.0)), Continue)
         assert isinstance(last(watch(), tick(10.1)), OverTime)
@@ -298,6 +316,7 @@ TICKS = st.lists(
         closing=st.booleans(),
         speed=st.sampled_from([0.0, 0.2]),
         turn=st.sampled_from([0.0, 0.2]),
+        rest_s=st.sampled_from([0.0, 3.0]),
     ),
     max_size=8,
 )

@@ -45,6 +45,7 @@ WATCH = Watch(
     budget_s=10.0,
     grace_s=1.0,
     stall_s=0.5,
+    blocked_s=2.0,
     still_speed=0.01,
     still_turn=0.05,
 )
@@ -63,7 +64,7 @@ def write(path, *lines):
 
 
 def test_watch_and_tick_survive_json_bit_by_bit(path):
-    tick = Tick(1 / 3, atoms("b", "holds x"), 1, 0.1 + 0.2, True, False, 1e-17, 3.14159)
+    tick = Tick(1 / 3, atoms("b", "holds x"), 1, 0.1 + 0.2, True, False, 1e-17, 3.14159, 0.7)
     write(
         path,
         step_line(WATCH, Continue("go"), attempt=1, shift=(0.1,) * 7),
@@ -85,6 +86,7 @@ def test_watch_and_tick_survive_json_bit_by_bit(path):
         JumpAhead(4, "c"),
         Violation(Kind.LOST_GRASP, tuple(atoms("holds x")), Blame.ACQUIRING, "d"),
         Stalled("e"),
+        Stalled("e", blocked=True),
         OverTime("f"),
     ],
 )
