@@ -1,7 +1,7 @@
 """PDDL text: writing (in dialects), reading, names, plans, and comparing an edited domain with the learned one."""
 
 from symskill_pddl.pddl.check import Binding, Comparison, Finding, Severity, compare
-from symskill_pddl.pddl.dialect import DIALECTS, Exported, exported
+from symskill_pddl.pddl.dialect import DIALECTS, Exported, exported, expressible
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names, load_names, load_renames
 from symskill_pddl.pddl.parse import read_atoms, read_domain, read_problem
@@ -17,6 +17,7 @@ __all__ = [
     "Severity",
     "compare",
     "exported",
+    "expressible",
     "load_names",
     "load_renames",
     "read_atoms",

@@ -129,6 +129,20 @@ def exported(domain: Domain, dialect: str) -> Exported:
     return Exported(plain, domain, dialect)
 
 
+def expressible(domain: Domain) -> tuple[str, ...]:
+    """The dialects that can say everything this domain says, plainest first; only `strips` is ever left out."""
+    found = []
+    for dialect in DIALECTS:
+        try:
+            exported(domain, dialect)
+        except InputError:
+            if dialect != "strips":
+                raise
+        else:
+            found.append(dialect)
+    return tuple(found)
+
+
 def unifiable(domain: Domain, op: Operator) -> tuple[tuple[str, str], ...]:
     """Pairs of parameters to which PDDL could bind one object: the type of one is the other's, or above it."""
     return tuple(

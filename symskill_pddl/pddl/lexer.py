@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from symskill_pddl.errors import ParseError
 
 _TOKEN = re.compile(r";[^\n]*|[()]|[^\s();]+")
+_DEPTH = 100
+"""No PDDL that a person or a planner writes is nested as deeply."""
 _WORD = re.compile(r"[a-z0-9_?:=.+*/<>#@%!-]+")
 
 
@@ -74,6 +76,10 @@ def read_groups(text: str, source: str = "<text>") -> tuple[Node, ...]:
     stack: list[tuple[Word | None, list[Node]]] = [(None, [])]
     for token in _tokens(text, source):
         if token.text == "(":
+            if len(stack) > _DEPTH:
+                raise ParseError(
+                    f"more than {_DEPTH} '(' within one another", source=source, line=token.line, column=token.column
+                )
             stack.append((token, []))
         elif token.text == ")":
             opening, items = stack.pop()

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from random_domains import NO_LID, atoms, covered_egg, domains, kitchen, problems
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.pddl import DIALECTS, exported, write_domain
+from symskill_pddl.pddl import DIALECTS, exported, expressible, write_domain
 from symskill_pddl.pddl.dialect import fresh, requirements, unifiable
 from symskill_pddl.symbols import Absent, Atom, Domain, Operator, Parameter, Predicate, Problem, Type
 
@@ -74,6 +74,8 @@ def test_strips_refuses_what_it_cannot_keep_and_names_the_operator():
     with pytest.raises(InputError, match=r"operator 'place-lid': it adds .* use 'negative'"):
         exported(domain, "strips")
     assert "forall" in write_domain(domain, dialect="negative")
+    assert expressible(domain) == DIALECTS[1:]
+    assert expressible(kitchen()) == DIALECTS
 
 
 def test_strips_refuses_a_blind_delete():

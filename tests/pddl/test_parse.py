@@ -77,6 +77,7 @@ DOMAIN_ERRORS = {
     "two-domains": "(define (domain d)) (define (domain e))",
     "unclosed": "(define (domain d)\n  (:types a)",
     "closed-twice": "(define (domain d)))",
+    "too-deep": "(" * 101,
     "bad-character": '(define (domain d)\n  (:types "a"))',
     "unknown-section": "(define (domain d) (:things a))",
     "constants": "(define (domain d) (:constants a))",

@@ -1,8 +1,8 @@
 """The operators that the SymSkill paper reports from play data (its table of learned operators), and how far they carry.
 
 Two things, each in the drawer, the cookware or the container; one lid, in the cabinet or on the cookware; every such start with
-every such place of the things as the goal: 162 problems. Read literally, with one variable per type, the table solves fewer than a
-third, because "thing in container" has to hold of the very thing that is picked from the drawer.
+every such place of the things as the goal: 162 problems. Read literally, with one variable per type, the table solves fewer than
+a third, because "thing in container" has to hold of the very thing that is picked from the drawer.
 """
 
 from dataclasses import replace
