@@ -1,11 +1,13 @@
 """How people open and close the cabinet's door.
 
-Opening takes two contacts: the bar is grasped and pulled until the door is ajar, then the inner face is pushed. With one pull the hand
-would end outside the open door and drag it shut on its way out.
+Both take two contacts. Opening: the bar is grasped and pulled until the door is ajar, then the inner face is pushed; with one pull
+the hand would end outside the open door and drag it shut on its way out. Closing: the free edge is grasped and pulled until the door
+is ajar, then the bar is pushed from the front; the outer face of a wide open door is out of the arm's way.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +20,8 @@ from symskill_pddl.kitchen.layout import Vec3
 
 YAW_AT_SHUT, YAW_WITH_DOOR = np.radians(15.0), 0.6
 """The hand's yaw on the bar: it follows the door by 0.6 of its angle, which keeps the wrist away from its limits."""
+AJAR_DEG = (49.5, 52.5)
+"""Where a door is left between the two contacts."""
 
 
 @dataclass(frozen=True)
@@ -56,13 +60,10 @@ def open_door(hand: Hand, door_name: str) -> None:
     way: list[Pose] = [vary(along(grasp, -0.12), rng, 0.01), grasp]
     hand.go(approach_twice(way, rng) if faults.second_approach else way, pause=faults.pause)
     if faults.poor_grasp:
-        hand.go([along(hand.T, -0.03)], careful=True)
-        hand.fingers(True)
-        hand.fingers(False)
-        hand.go([on_bar(0.0)], careful=True)
+        _grasp_again(hand, grasp)
     hand.fingers(True)
-    ajar = float(np.radians(rng.uniform(49.0, 53.0)))
-    hand.go([on_bar(float(a)) for a in np.linspace(0.0, ajar, 8)[1:]], careful=True)
+    ajar = float(np.radians(rng.uniform(*AJAR_DEG)))
+    _turn(hand, door, door_name, on_bar, 0.0, ajar)
     hand.fingers(False)
     hand.go([along(hand.T, -0.08)], careful=True)
     hand.rest(float(rng.uniform(0.6, 0.9)))
@@ -89,28 +90,62 @@ def _push_open(hand: Hand, door: Door, ajar: float) -> None:
 
 
 def close_door(hand: Hand, door_name: str) -> None:
-    """Low and round under the open door, up on its outer side, a fist against the outer face, and push until it is shut."""
+    """Grasp the free edge of the open door, pull it until ajar, let go, and push the bar from the front until the door is shut."""
     rng, faults = hand.rng, hand.faults
     door = Door(hand.scene.pose("cabinet"))
     start = door.angle(hand.scene.pose(door_name))
-    y = float(rng.uniform(-0.01, 0.03))
-    z = float(rng.uniform(-0.08, -0.05))
+    height, pitch = float(rng.uniform(-0.08, -0.04)), float(np.radians(rng.uniform(57.0, 63.0)))
 
-    def outside(angle: float, gap: float, up: float = 0.0) -> Pose:
-        yaw = YAW_AT_SHUT + YAW_WITH_DOOR * angle
-        return door.hand(angle, (-layout.DOOR.half[0] - gap, y, z + up), yaw, 0.0, hand.T)
+    def on_edge(angle: float) -> Pose:
+        """Fingers on either side of the panel, steep, looking along the door towards its hinge (by 0.7 of the angle, for the wrist)."""
+        yaw = 0.7 * (angle - np.pi / 2)
+        return door.hand(angle, (0.0, layout.DOOR.half[1] - 0.012, height), yaw, pitch, hand.T)
 
-    ready = outside(start, 0.10)
-    under = moved(ready, [-0.12, -0.02, -0.22])
-    low = moved(Pose(hand.T.p, under.q), [0.0, -0.10, min(0.0, under.p[2] - hand.T.p[2])])
-    hand.go(
-        [vary(low, rng, 0.015), vary(under, rng, 0.015), vary(moved(ready, [-0.04, -0.03, 0.0]), rng, 0.01), ready],
-        pause=faults.pause,
-    )
+    grasp = on_edge(start)
+    way = [vary(Pose(np.array([0.29, -0.06, 0.60]), grasp.q), rng, 0.02), vary(along(grasp, -0.11), rng, 0.01), grasp]
+    hand.go(approach_twice(way, rng) if faults.second_approach else way, pause=faults.pause)
+    if faults.poor_grasp:
+        _grasp_again(hand, grasp)
     hand.fingers(True)
-    hand.go([outside(start, 0.02)], careful=True)
-    hand.go([outside(float(a), -0.005) for a in np.linspace(start, 0.0, 10)[1:]])
-    hand.rest(0.3)
+    ajar = float(np.radians(rng.uniform(*AJAR_DEG)))
+    _turn(hand, door, door_name, on_edge, start, ajar)
     hand.fingers(False)
-    hand.go([along(hand.T, -0.08)])
+    hand.go([along(hand.T, -0.08)], careful=True)
+    hand.rest(float(rng.uniform(0.6, 0.9)))
+    _push_shut(hand, door, door_name)
+    hand.go([along(hand.T, -0.09)], careful=True)
     hand.leave()
+
+
+def _push_shut(hand: Hand, door: Door, door_name: str) -> None:
+    """The bar between the open fingers, and on with the palm until nothing moves any more."""
+    rng = hand.rng
+    x, y, z = layout.HANDLE
+    bar = (x, y, z + float(rng.uniform(-0.015, 0.015)))
+
+    def on_bar(angle: float) -> Pose:
+        return along(door.hand(angle, bar, YAW_AT_SHUT + YAW_WITH_DOOR * angle, 0.0, hand.T), 0.025)
+
+    ajar = door.angle(hand.scene.pose(door_name))
+    hand.go([vary(along(on_bar(ajar), -0.13), rng, 0.01), along(on_bar(ajar), -0.02)])
+    _turn(hand, door, door_name, on_bar, ajar, 0.0)
+
+
+def _turn(hand: Hand, door: Door, door_name: str, on_door: Callable[[float], Pose], start: float, goal: float) -> None:
+    """Take the door along from `start` to `goal` [rad], and on until it is seen there: the hand slips and gives a little."""
+    hand.go([on_door(float(a)) for a in np.linspace(start, goal, 8)[1:]], careful=True)
+    aim, way = goal, np.sign(goal - start)
+    for _ in range(4):
+        missing = goal - door.angle(hand.scene.pose(door_name))
+        if missing * way < np.radians(0.6):
+            return
+        aim += missing + way * np.radians(0.5)
+        hand.go([on_door(aim)], careful=True)
+
+
+def _grasp_again(hand: Hand, grasp: Pose) -> None:
+    """The first grasp was poor: open, back off a little, come again."""
+    hand.fingers(True)
+    hand.fingers(False)
+    hand.go([along(hand.T, -0.03)], careful=True)
+    hand.go([grasp], careful=True)

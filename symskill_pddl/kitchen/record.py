@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from symskill_pddl.kitchen.demonstrator import demonstrate
@@ -52,14 +52,21 @@ def record(task: str, n: int, seed: int, keep_failed: bool = False) -> tuple[Dem
         success = world.succeeded()
         if success or keep_failed:
             attributes: dict[str, str | int | float] = {"seed": episode, "success": int(success)}
-            demos.append(demo_of(scenes, f"demo_{len(demos)}", task, attributes))
+            demos.append(demo_of(scenes, f"demo_{len(demos)}", task, world.extents, attributes))
     if len(demos) < n:
         raise InputError(f"task '{task}': of {limit} episodes from seed {seed} on only {len(demos)} succeeded, not {n}")
     return tuple(demos)
 
 
-def demo_of(scenes: Sequence[Scene], name: str, task: str, attributes: dict[str, str | int | float]) -> Demo:
-    """Scenes of one episode as one `Demo`."""
+def demo_of(
+    scenes: Sequence[Scene],
+    name: str,
+    task: str,
+    extents: Mapping[str, tuple[float, float, float]],
+    attributes: Mapping[str, str | int | float],
+) -> Demo:
+    """Scenes of one episode as one `Demo`; `extents` are half sizes [m] per type, of which the types seen are kept."""
+    objects = dict(scenes[0].objects)
     return Demo(
         name=name,
         source="kitchen",
@@ -68,8 +75,8 @@ def demo_of(scenes: Sequence[Scene], name: str, task: str, attributes: dict[str,
         T_world_ee=Pose.stack([scene.T_world_ee for scene in scenes]),
         aperture=np.array([scene.aperture for scene in scenes]),
         gripper_closed=np.array([scene.gripper_closed for scene in scenes]),
-        objects=dict(scenes[0].objects),
+        objects=objects,
         T_world_objects=Pose.stack([scene.T_world_objects for scene in scenes]),
-        extents={},
-        attributes=attributes,
+        extents={t: half for t, half in extents.items() if t in objects.values()},
+        attributes=dict(attributes),
     )
