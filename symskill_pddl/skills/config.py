@@ -21,9 +21,7 @@ class FitConfig:
     gain_hz: float = 3.0
     """Speed per remaining way [1/s]; its inverse is the time constant of the last centimetres."""
     rate_hz: float = 1.0
-    """Certified rate alpha [1/s]: the distance in the learned metric falls at least as fast as exp(-alpha t) below the speed
-    cap.
-    """
+    """Certified rate alpha [1/s]: below the speed cap the distance in the metric P falls at least as exp(-alpha t)."""
     max_components: int = 6
     """Largest number of linear systems in a field."""
     samples: int = 80
@@ -41,6 +39,10 @@ class FitConfig:
     """Smallest standard deviation of a mixture component, as a fraction of the data's extent."""
     ridge: float = 1e-3
     """Weight of the plain pull to the goal, which decides in the directions that the data leaves open."""
+    funnel: float = 0.03
+    """Weight of the pull back to the path beside it, relative to the demonstrated directions."""
+    funnel_gain: float = 3.0
+    """How much faster than along the path the distance from it is to fall."""
     pace: float = 1.2
     """Speed cap over the demonstrated speed."""
     min_speed_m_s: float = 0.05
@@ -49,6 +51,9 @@ class FitConfig:
     tolerance_m: float = 0.015
     tolerance_rad: float = 0.175
     """A rollout may leave the demonstrations by this much, beyond their own spread, before the skill is split."""
+    disturbance_m: float = 0.25
+    final_m: float = 0.05
+    """Also from starts that are this much aside, the last way into the goal has to lead through where the demonstrations went."""
     via_tolerance_m: float = 0.02
     via_tolerance_rad: float = 0.175
     """How close an intermediate goal of a split skill has to be reached."""

@@ -107,16 +107,19 @@ def fit_lpv(
     speeds = np.concatenate([path.speeds for path in paths])
     P = fit_metric(*_slice_means(x, v, progress), config.max_condition) if learn_metric else np.eye(3)
 
+    beside_x, beside_v = _beside(x, v, remaining, config)
+    all_x, all_v = np.concatenate([x, beside_x]), np.concatenate([v, beside_v])
+    all_importance = np.concatenate([importance, np.tile(0.25 * config.funnel * importance, 4)])
     shown = np.stack([path.points for path in paths])  # (demos, samples, 3)
     best: tuple[float, Lpv, Certificate] | None = None
     for size in range(1, config.max_components + 1):
         mixture = fit_mixture(x, progress, size, config.spread)
         weights = mixture.weights(x)
         matrices = fit_matrices(
-            x,
-            v,
-            weights,
-            importance,
+            all_x,
+            all_v,
+            mixture.weights(all_x),
+            all_importance,
             P,
             gain_hz=config.gain_hz,
             rate_hz=config.rate_hz,
@@ -136,9 +139,7 @@ def fit_lpv(
 
 
 def rollout(lpv: Lpv, starts: Array, shown: Array, config: FitConfig, advance: Callable[[Array, Array], Array]) -> Array:
-    """The geometry (demos, steps, 3) of the motions from `starts` (demos, 3), in even steps along the way; timing plays no
-    part.
-    """
+    """Motions (demos, steps, 3) from `starts` (demos, 3) in even steps along the way: their geometry, without timing."""
     length = np.linalg.norm(np.diff(shown, axis=1), axis=-1).sum(1).max()
     stride, e, way = length / 60, starts, [starts]
     for _ in range(90):
@@ -155,6 +156,18 @@ def _deviation(driven: Array, shown: Array, distance: Callable[[Array, Array], A
     """Mean distance between the two sets of ways, each to the nearest point of the other."""
     d = distance(driven, shown)
     return float(0.5 * (d.min(2).mean() + d.min(1).mean()))
+
+
+def _beside(x: Array, v: Array, remaining: Array, config: FitConfig) -> tuple[Array, Array]:
+    """Four points beside each sample (4n, 3), and velocities there along the path and back to it: a funnel."""
+    speed = np.maximum(np.linalg.norm(v, axis=1, keepdims=True), 1e-12)
+    t = v / speed
+    least = np.eye(3)[np.abs(t).argmin(1)]
+    a = np.cross(t, least)
+    a /= np.maximum(np.linalg.norm(a, axis=1, keepdims=True), 1e-12)
+    b = np.cross(t, a)
+    offsets = np.concatenate([side * 0.3 * remaining for side in (a, -a, b, -b)])
+    return np.tile(x, (4, 1)) + offsets, np.tile(v, (4, 1)) - config.funnel_gain * config.gain_hz * offsets
 
 
 def _slice_means(x: Array, v: Array, progress: Array, count: int = 16) -> tuple[Array, Array]:

@@ -23,9 +23,7 @@ _ESCAPE = 0.3
 
 @dataclass(frozen=True, eq=False)
 class Ellipsoid:
-    """An obstacle: pose of its centre and axes, half lengths `radii` (3,) [m], `velocity` (3,) [m/s] of its centre in world
-    axes.
-    """
+    """An obstacle: pose of its centre and axes, half lengths `radii` (3,) [m], world `velocity` (3,) [m/s] of its centre."""
 
     T_world: Pose
     radii: Array
@@ -126,9 +124,7 @@ def _sideways(normal: Array, obstacle: Ellipsoid) -> Array:
 
 
 def _mean(nominal: Array, velocities: Sequence[Array], weights: Array) -> Array:
-    """Weighted mean of sizes and of directions, the latter as angles from the nominal direction, so that opposite ones do not
-    cancel.
-    """
+    """Weighted mean of sizes, and of directions as angles from the nominal one, so that opposite ones do not cancel."""
     if len(velocities) == 1:
         return velocities[0]
     size, turn = 0.0, np.zeros(3)

@@ -1,6 +1,4 @@
-"""`OrientationField`: how the hand turns. A mixture of linear systems on the rotation error (paper, "Learning Stable SE(3)
-Policy").
-"""
+"""`OrientationField`: how the hand turns. Linear systems on the rotation error (paper, "Learning Stable SE(3) Policy")."""
 
 from __future__ import annotations
 

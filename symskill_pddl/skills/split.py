@@ -13,11 +13,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.geometry import Array, Pose, quat_conjugate, quat_exp, quat_multiply
+from symskill_pddl.geometry import Array, quat_conjugate, quat_multiply
 from symskill_pddl.skills.config import FitConfig
 from symskill_pddl.skills.field import Field, fit_field
+from symskill_pddl.skills.following import deviation, retreat, strays
 from symskill_pddl.skills.skill import Phase
 from symskill_pddl.skills.trajectory import Trajectory, continuous_signs, evenly, smooth
+
+_MOST_STRAYS = 2.0
+"""Tolerances by which the last way may leave the demonstrations, from starts that were not demonstrated."""
 
 
 @dataclass(frozen=True)
@@ -32,11 +36,14 @@ class FitReport:
         Mean demonstrated duration of each field's part, pauses included.
     retreat : float
         Largest rise of the distance to the end pose within a demonstration, as a fraction of its largest value: 0 is monotone.
+    strays : float
+        How far a single field would leave the demonstrations on the last way to the goal, in tolerances, from starts moved aside.
     """
 
     deviations: tuple[float, ...]
     durations_s: tuple[float, ...]
     retreat: float
+    strays: float
 
 
 def fit_fields(trajectories: Sequence[Trajectory], config: FitConfig = FitConfig()) -> tuple[Field, ...]:
@@ -65,9 +72,7 @@ def fit_phases(
     tolerance_r: float,
     config: FitConfig = FitConfig(),
 ) -> tuple[Phase, ...]:
-    """The fields as phases of a skill: intermediate goals with the loose tolerances of the configuration, the last with the
-    given ones.
-    """
+    """The fields as phases: loose tolerances from the configuration in between, the given ones [m], [rad] at the end."""
     fields, report = fit_reported(trajectories, config)
     last = len(fields) - 1
     return tuple(
@@ -89,10 +94,16 @@ def fit_reported(trajectories: Sequence[Trajectory], config: FitConfig = FitConf
         raise InputError("fitting a field needs at least one trajectory")
     whole = _Part.fit([smooth(t, config.smoothing_s) for t in trajectories], config)
     parts = [whole] if whole.deviation <= 1.0 else _split(whole, config)
+    stray = strays(whole.field, whole.trajectories, whole.shown, config)
+    if len(parts) == 1 and stray > _MOST_STRAYS and config.max_fields > 1:
+        halves = whole.halves(config, apart=config.final_m / config.tolerance_m)
+        if halves is not None and _worst(halves) <= max(1.0, whole.deviation):
+            parts = list(halves)
     report = FitReport(
         tuple(p.deviation for p in parts),
         tuple(float(np.mean([t.duration_s for t in p.trajectories])) for p in parts),
-        max((_retreat(way) for way in whole.shown), default=0.0),
+        max((retreat(way) for way in whole.shown), default=0.0),
+        stray,
     )
     return tuple(p.field for p in parts), report
 
@@ -140,12 +151,14 @@ class _Part:
             shown.append(even[0])
             at.append(even[1])
         ways = np.stack(shown)
-        return cls(trajectories, field, ways, np.stack(at), _deviation(field, trajectories, ways, config))
+        return cls(trajectories, field, ways, np.stack(at), deviation(field, trajectories, ways, config))
 
-    def halves(self, config: FitConfig) -> tuple[_Part, _Part] | None:
-        """The best two parts, or None where the demonstrations are too short to be cut."""
+    def halves(self, config: FitConfig, apart: float = 0.0) -> tuple[_Part, _Part] | None:
+        """The best two parts, the via pose at least `apart` tolerances before the goal; None where there is no place to cut."""
         best: tuple[_Part, _Part] | None = None
         for index in self._candidates():
+            if np.linalg.norm(self.shown[:, index, :3].mean(0)) < apart:
+                continue
             cuts = [int(at[i]) for at, i in zip(self.at, self._matches(index), strict=True)]
             if all(0 < cut < len(t) - 1 for cut, t in zip(cuts, self.trajectories, strict=True)):
                 first = [t.cut(0, cut) for t, cut in zip(self.trajectories, cuts, strict=True)]
@@ -185,9 +198,7 @@ def _worst(parts: Sequence[_Part]) -> float:
 
 
 def _scaled_errors(p: Array, q: Array, field: Field, config: FitConfig) -> Array:
-    """(..., 6) errors to the field's goal in units of the tolerances. The rotation does not wrap along a path of continuous
-    signs.
-    """
+    """(..., 6) errors to the goal in units of the tolerances; rotations do not wrap along a path of continuous signs."""
     goal = field.orientation.goal
     relative = quat_multiply(q, quat_conjugate(goal))
     if relative.ndim > 1 and relative[-1, 0] < 0:
@@ -196,52 +207,3 @@ def _scaled_errors(p: Array, q: Array, field: Field, config: FitConfig) -> Array
     norm = np.linalg.norm(u, axis=-1, keepdims=True)
     r = np.where(norm > 1e-12, 2.0 * np.arctan2(norm, w) / np.maximum(norm, 1e-12), 2.0) * u
     return np.concatenate([(p - field.position.goal) / config.tolerance_m, r / config.tolerance_rad], axis=-1)
-
-
-def rollout(field: Field, T_start: Pose, duration_s: float, period_s: float) -> Pose:
-    """Explicit Euler motion (n, steps) of the field from starts (n,)."""
-    p, q = T_start.p, T_start.q
-    ps, qs = [p], [q]
-    for _ in range(int(np.ceil(duration_s / period_s))):
-        twist = field.twist_at(p, q)
-        p = p + period_s * twist[..., :3]
-        q = quat_multiply(quat_exp(period_s * twist[..., 3:]), q)
-        ps.append(p)
-        qs.append(q)
-    return Pose(np.stack(ps, axis=-2), np.stack(qs, axis=-2))
-
-
-def _deviation(field: Field, trajectories: list[Trajectory], shown: Array, config: FitConfig) -> float:
-    """How far rollouts and demonstrations part, in tolerances: three quarters of the demonstrations do better.
-
-    A rollout has to stay where any demonstration was, and to come past everything its own one did. Their own spread, the
-    distance from one demonstration to the nearest of the others, is taken off.
-    """
-    starts = Pose.stack([t.T_frame_ee[0] for t in trajectories])
-    duration = 1.5 * max(t.duration_s for t in trajectories) + 1.0
-    driven = rollout(field, starts, duration, max(config.period_s, duration / 120))
-    bend = (np.linspace(0.0, 1.0, shown.shape[1]) ** 2)[None, :, None] * shown[:, -1:]
-    ways = shown - bend
-    p = ways[..., :3] * config.tolerance_m + field.position.goal
-    q = quat_multiply(quat_exp(ways[..., 3:] * config.tolerance_rad), field.orientation.goal)
-    values, spread = [], []
-    for i in range(len(trajectories)):
-        to_all = np.stack([_pose_distances(driven.p[i], driven.q[i], p[j], q[j], config) for j in range(len(p))])
-        own, corridor = to_all[i].min(0).max(), to_all.min((0, 2)).max()
-        values.append(max(own, corridor))
-        between = [_pose_distances(p[i], q[i], p[j], q[j], config).min(1) for j in range(len(p)) if j != i]
-        spread.append(np.min(between, axis=0).mean() if between else 0.0)
-    return max(0.0, float(np.quantile(values, 0.75) - np.median(spread)))
-
-
-def _pose_distances(pa: Array, qa: Array, pb: Array, qb: Array, config: FitConfig) -> Array:
-    """(n, m) distances in units of the tolerances, the larger of position and rotation."""
-    squares = (pa * pa).sum(-1)[:, None] + (pb * pb).sum(-1)[None, :] - 2.0 * pa @ pb.T
-    angles = 2.0 * np.arccos(np.clip(np.abs(qa @ qb.T), 0.0, 1.0))
-    return np.maximum(np.sqrt(np.maximum(squares, 0.0)) / config.tolerance_m, angles / config.tolerance_rad)
-
-
-def _retreat(way: Array) -> float:
-    distance = np.linalg.norm(way, axis=1)
-    rise = distance - np.minimum.accumulate(distance)
-    return float(rise.max() / max(float(distance.max()), 1e-12))

@@ -154,9 +154,7 @@ def orientation_path(trajectory: Trajectory, goal: Array, config: FitConfig) -> 
 
 
 def evenly(x: Array, fraction: float, least: float, samples: int) -> tuple[Array, NDArray[np.intp]] | None:
-    """Points (samples, d) evenly spaced along the way x (n, d), and the index of the sample of x nearest before each; None if
-    x stays.
-    """
+    """Points (samples, d) evenly along the way x (n, d), and the sample of x before each; None if x stays in place."""
     kept = _moving(x, fraction, least)
     if kept is None:
         return None
