@@ -32,11 +32,15 @@ def quickstart(
     from symskill_pddl.cli.execute import run_shown
     from symskill_pddl.cli.views import operator_table
     from symskill_pddl.evaluation.trial import prepare
+    from symskill_pddl.kitchen import parse_disturbance, task_named
     from symskill_pddl.pddl import write_plan
     from symskill_pddl.planning import get
 
     begin = monotonic()
     disturbances = disturb or [DISTURBANCE]
+    task_named(task)
+    for spec in disturbances:
+        parse_disturbance(spec)
     files = work.shipped_demos()
     make_folder(output)
     library, learning = work.learn_from(files, output / "library")

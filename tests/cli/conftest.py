@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import shutil
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -75,3 +76,28 @@ def toys(tmp_path: Path) -> tuple[Path, Path]:
     domain.write_text(DOMAIN)
     problem.write_text(PROBLEM)
     return domain, problem
+
+
+@pytest.fixture(scope="session")
+def lift(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with `lift.hdf5`, imported from a person's recording, and `library`, learned from it. Not to be changed."""
+    from symskill_pddl.demos import import_robosuite, save_demos
+    from symskill_pddl.learning import learn
+
+    folder = tmp_path_factory.mktemp("lift")
+    demos = import_robosuite(ROBOSUITE / "panda_lift.hdf5")
+    save_demos(folder / "lift.hdf5", demos)
+    learn(demos).save(folder / "library")
+    return folder
+
+
+@pytest.fixture
+def demos(lift: Path, tmp_path: Path) -> Path:
+    """A file of demonstrations, one's own."""
+    return Path(shutil.copy(lift / "lift.hdf5", tmp_path / "lift.hdf5"))
+
+
+@pytest.fixture
+def library(lift: Path, tmp_path: Path) -> Path:
+    """A learned library, one's own."""
+    return Path(shutil.copytree(lift / "library", tmp_path / "library"))
