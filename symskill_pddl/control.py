@@ -9,8 +9,9 @@ is blocked), motion across f meets high damping. `b` fades the difference out at
 from all sides. The small spring s is of the bristle kind: it stretches by the integrated tracking error and slips at a few
 newtons, which removes the creep under a load in the hand and bounds the force at once.
 
-What the command pumps into the arm is drawn from an energy tank, and damping pays into it. An empty tank closes the valve on f:
-then only dissipation is left, whatever the command is.
+An energy tank pays for all work the torques do (beyond carrying the arm's own weight), and receives what damping takes out. The
+work of a step is reckoned when its end is known, as torque times mean velocity, so that the books are exact at any step size. An
+empty tank closes the valve on f: then only dissipation is left, whatever the command is.
 """
 
 from __future__ import annotations
@@ -28,8 +29,8 @@ PANDA_TORQUE_LIMITS = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
 """Joint torque limits of the Franka Panda [Nm]."""
 
 ELBOW_UP = (0.1, -0.6, -0.1, -2.4, 0.6, 2.6, 0.1)
-"""The posture [rad] the arm leans to in its null space: elbow up, and the wrist turned to the side on which a hand that looks ahead
-keeps clear of joint 6's limit (a wrist turned to neither side falls to the wrong one half of the time)."""
+"""The posture [rad] the arm leans to in its null space: elbow up, and the wrist turned to the side on which a hand that looks
+ahead keeps clear of joint 6's limit (a wrist turned to neither side falls to the wrong one half of the time)."""
 
 
 @dataclass(frozen=True)
@@ -94,12 +95,15 @@ class PassiveController:
         self._posture_rates = frozen(c.posture_rates)
         # (7,): bristle stretch [m, rad], then tank energy [J]
         self._state = np.zeros(7)
+        # (2, n): torque of the last step without the bias [Nm], and joint velocity at its beginning [rad/s]
+        self._last = np.zeros((2, len(c.posture)))
         self.reset()
 
     def reset(self) -> None:
         """Relax the bristle and fill the tank."""
         self._state[:] = 0.0
         self._state[6] = self.config.tank_capacity
+        self._last[:] = 0.0
 
     @property
     def tank_energy(self) -> float:
@@ -135,7 +139,9 @@ class PassiveController:
         -------
         (n,) torques [Nm] within the limits.
         """
-        return _torques(q, qd, J, M, bias, twist, dt, self._gains, self._posture, self._posture_rates, self._limits, self._state)
+        return _torques(
+            q, qd, J, M, bias, twist, dt, self._gains, self._posture, self._posture_rates, self._limits, self._state, self._last
+        )
 
 
 def damping_matrix(inertia: ArrayLike, twist: ArrayLike, config: ControlConfig | None = None) -> Array:
@@ -171,7 +177,7 @@ def _slip(e, stiffness, limit):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _torques(q, qd, J, M, bias, twist, dt, gains, posture, posture_rates, limits, state):  # type: ignore[no-untyped-def]
+def _torques(q, qd, J, M, bias, twist, dt, gains, posture, posture_rates, limits, state, last):  # type: ignore[no-untyped-def]
     along, across, blend_speed, blend_rate, k_t, k_r, slip_t, slip_r, capacity, refill = gains
     xdot = J @ qd
     Minv_JT = np.linalg.solve(M, np.ascontiguousarray(J.T))  # (n, 6)
@@ -190,19 +196,26 @@ def _torques(q, qd, J, M, bias, twist, dt, gains, posture, posture_rates, limits
     spring[:3] = k_t * stretch[:3]
     spring[3:] = k_r * stretch[3:]
 
-    # the command's power is what the tank pays for; the valve closes over the last 5 %
+    # the last step's work, as its end is known now
+    state[6] = min(capacity, state[6] - dt * (last[0] @ (0.5 * (last[1] + qd))) + dt * refill)
+    # the command draws power from the tank; the valve closes over the last 5 %
     drawn = twist @ (D @ xdot) + twist @ spring
     valve = 1.0
     if drawn > 0.0:
         valve = min(1.0, max(0.0, state[6] / (0.05 * capacity)))
     f = valve * twist
     force = spring - D @ (xdot - f)
-    state[6] = min(capacity, state[6] + dt * (refill + xdot @ (D @ xdot) - valve * drawn))
+    stored = spring @ stretch
     stretch += dt * (f - xdot)
     _slip(stretch[:3], k_t, slip_t)
     _slip(stretch[3:], k_r, slip_r)
+    stored = k_t * (stretch[:3] @ stretch[:3]) + k_r * (stretch[3:] @ stretch[3:]) - stored
+    state[6] = min(capacity, state[6] - 0.5 * stored)
 
     # posture torque through the dynamically consistent null space: it does not accelerate the hand
     null = M @ (posture_rates[0] * np.minimum(0.5, np.maximum(-0.5, posture - q)) - posture_rates[1] * qd)
     null -= J.T @ (exact @ (Minv_JT.T @ null))
-    return np.minimum(limits, np.maximum(-limits, J.T @ force + bias + null))
+    tau = np.minimum(limits, np.maximum(-limits, J.T @ force + bias + null))
+    last[0] = tau - bias
+    last[1] = qd
+    return tau

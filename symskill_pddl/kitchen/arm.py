@@ -31,24 +31,36 @@ def solve(
     -------
     (7,) joint positions [rad], or None when none was found.
     """
-    before, aperture = physics.arm.copy(), physics.aperture
-    low, high = physics.arm_range[:, 0] + margin, physics.arm_range[:, 1] - margin
     rest = np.asarray(ELBOW_UP)
-    q = np.array(rest if start is None else start, dtype=np.float64)
+    before, aperture = physics.arm.copy(), physics.aperture
+    # the search is local: try from where the arm is asked to start, from rest, and with the wrist turned to its other side
+    other = rest * np.array([1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 1.0]) + np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.4])
+    starts = [rest, other] if start is None else [np.asarray(start, dtype=np.float64), rest, other]
     found = None
+    for q in starts:
+        found = _search(physics, T_world_ee, q, tolerance, margin)
+        if found is not None:
+            break
+    physics.set_arm(before, aperture)
+    physics.kinematics()
+    return found
+
+
+def _search(physics: Physics, T_world_ee: Pose, start: Array, tolerance: float, margin: float) -> Array | None:
+    """One local search; moves the arm."""
+    rest, aperture = np.asarray(ELBOW_UP), physics.aperture
+    low, high = physics.arm_range[:, 0] + margin, physics.arm_range[:, 1] - margin
+    q = start.copy()
     for step in range(200):
         physics.set_arm(q, aperture)
         physics.kinematics()
         T = physics.T_world_ee()
         error = np.concatenate([T_world_ee.p - T.p, quat_log(quat_multiply(T_world_ee.q, quat_conjugate(T.q)))])
         if np.abs(error).max() < tolerance:
-            found = q.copy()
-            break
+            return q
         J = physics.jacobian()
-        pull = 0.1 * (rest - q) * max(0.0, 1.0 - step / 150)
+        pull = 0.05 * (rest - q) * max(0.0, 1.0 - step / 100)
         inverse = J.T @ np.linalg.inv(J @ J.T + 1e-4 * np.eye(6))
         dq = inverse @ np.clip(error, -0.1, 0.1) + pull - inverse @ (J @ pull)
         q = np.clip(q + np.clip(dq, -0.2, 0.2), low, high)
-    physics.set_arm(before, aperture)
-    physics.kinematics()
-    return found
+    return None

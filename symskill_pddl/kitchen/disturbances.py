@@ -56,14 +56,16 @@ class Disturbance:
 
 
 def _close_door(arguments: dict[str, float]) -> Callable[[Kitchen, float], bool]:
-    """A person shuts the door: a bounded torque that keeps it moving gently, until it is shut or the time is over."""
+    """A person shuts the door with a torque that grows, up to a bound, until the door moves gently; ends when shut or in time."""
     strongest, seconds = arguments["Nm"], arguments["s"]
 
     def effect(kitchen: Kitchen, elapsed: float) -> bool:
         physics = kitchen.physics
-        going = elapsed < seconds and physics.door_angle > math.radians(0.5)
+        going = elapsed < seconds and physics.door_angle > math.radians(0.3)
         wanted = -1.2 if physics.door_angle > 0.3 else -0.6
-        physics.door_torque = float(np.clip(20.0 * (wanted - physics.door_speed), -strongest, strongest)) if going else 0.0
+        # the step is small for the inertia and damping of a door, as the torque lasts a whole control period
+        torque = float(np.clip(physics.door_torque + 0.5 * (wanted - physics.door_speed), -strongest, 0.0))
+        physics.door_torque = torque if going else 0.0
         return going
 
     return effect

@@ -1,4 +1,4 @@
-"""The stepping loop: MuJoCo's model and data, torque control between its two half steps, and what only a simulator can read or set.
+"""The stepping loop: MuJoCo's model and data, torque control between its half steps, and what only a simulator can read or set.
 
 robosuite's own loop runs its Python controllers at every physics step and is five times slower.
 """
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symskill_pddl.control import PassiveController
+from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.backend import load_mujoco
@@ -109,6 +110,20 @@ class Physics:
 
     # --- setting the state, for episodes and tests
 
+    def reset(self) -> None:
+        """The model's zero state, with nothing acting on it."""
+        self._mj.mj_resetData(self.model, self.data)
+        self.door_torque = 0.0
+        self.hand_force = np.zeros(3)
+        self.controller.reset()
+
+    def start_clock(self) -> None:
+        """Bring everything to a halt and call this moment the start."""
+        self.data.qvel[:] = 0.0
+        self.data.time = 0.0
+        self.controller.reset()
+        self.forward()
+
     def set_cabinet(self, shift: ArrayLike) -> None:
         """Put the cabinet at its place in the layout plus `shift` (3,) [m]."""
         self.model.body_pos[self._bodies["cabinet"]] = np.asarray(layout.CABINET.center) + np.asarray(shift)
@@ -121,6 +136,9 @@ class Physics:
         self.data.qpos[at : at + 7], self.data.qvel[v : v + 6] = T_world_food.vector(), 0.0
 
     def set_arm(self, q: ArrayLike, aperture: float = OPEN_APERTURE) -> None:
+        """Joint positions (7,) [rad] and opening of the fingers [m], at rest."""
+        if np.shape(q) != (7,) or not np.all(np.isfinite(q)):
+            raise InputError(f"the arm needs 7 finite joint positions, got {q!r}")
         self.data.qpos[self._arm_q], self.data.qvel[self._arm_v] = q, 0.0
         self.data.qpos[self._finger_q] = (aperture / 2, -aperture / 2)
 

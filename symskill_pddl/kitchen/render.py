@@ -1,4 +1,4 @@
-"""Pictures of the kitchen, where the machine has a library that can draw them off screen (EGL or OSMesa). Nothing else needs one."""
+"""Pictures of the kitchen, where the machine has a library that draws off screen (EGL or OSMesa). Nothing else needs one."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ HAND_START = Box((0.385, 0.0, 0.30), (0.035, 0.05, 0.05))
 
 @dataclass(frozen=True)
 class Place:
-    """Where a food stands: 'counter' or 'cabinet', the point (x, y) [m] in the world's or the cabinet's frame, and the yaw [rad]."""
+    """Where a food stands: 'counter' or 'cabinet', (x, y) [m] in the frame of the world or the cabinet, and the yaw [rad]."""
 
     on: str
     x: float

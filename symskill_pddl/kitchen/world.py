@@ -117,7 +117,7 @@ def make(task: str, seed: int, disturbances: Iterable[Disturbance] = ()) -> Kitc
 
 def _set_up(physics: Physics, episode: Episode) -> bool:
     """Put everything in place and let it come to rest; False when the arm could not reach what it has to."""
-    mj_reset(physics)
+    physics.reset()
     physics.set_cabinet(episode.cabinet_shift)
     physics.set_door(episode.door_angle)
     for name, place in episode.foods.items():
@@ -132,14 +132,6 @@ def _set_up(physics: Physics, episode: Episode) -> bool:
     for _ in range(20):
         physics.advance(np.zeros(6), False, PHYSICS_STEPS)
     physics.set_arm(start)
-    physics.data.qvel[:] = 0.0
-    physics.data.time = 0.0
-    physics.controller.reset()
-    physics.forward()
-    placed = (np.linalg.norm(physics.T_world(n).p - food_pose(n, at, episode.cabinet_shift).p) for n, at in episode.foods.items())
-    return max(placed) < 0.01 and abs(physics.door_angle - episode.door_angle) < 0.02
-
-
-def mj_reset(physics: Physics) -> None:
-    """The model's zero state."""
-    physics.data.qpos[:], physics.data.qvel[:], physics.data.qacc_warmstart[:] = physics.model.qpos0, 0.0, 0.0
+    physics.start_clock()
+    moved = (np.linalg.norm(physics.T_world(n).p - food_pose(n, at, episode.cabinet_shift).p) for n, at in episode.foods.items())
+    return bool(max(moved) < 0.01 and abs(physics.door_angle - episode.door_angle) < 0.02)

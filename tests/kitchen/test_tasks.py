@@ -1,0 +1,118 @@
+"""The judges, on states set by hand, and what is drawn."""
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from symskill_pddl.geometry import Pose
+from symskill_pddl.kitchen import TASKS, arm, layout, make
+from symskill_pddl.kitchen.tasks import COUNTER_REGION, food_pose
+
+SEEDS = range(30)
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_foods_stand_apart_and_within_their_regions(task):
+    for seed in SEEDS:
+        episode = TASKS[task].draw(default_rng(seed))
+        poses = {name: food_pose(name, place, episode.cabinet_shift) for name, place in episode.foods.items()}
+        assert sorted(poses) == sorted(layout.FOODS)
+        points = np.array([T.p for T in poses.values()])
+        gaps = np.linalg.norm(points[:, None] - points[None], axis=-1)[np.triu_indices(len(points), 1)]
+        assert gaps.min() > 0.085
+        for name, place in episode.foods.items():
+            assert place.on == "cabinet" or COUNTER_REGION.contains(poses[name].p)
+
+
+def test_the_focus_food_varies_and_starts_where_the_task_says():
+    drawn = [TASKS["PnPCabToCounter"].draw(default_rng(seed)) for seed in SEEDS]
+    assert {episode.focus[0] for episode in drawn} == set(layout.FOODS)
+    assert all(episode.foods[episode.focus[0]].on == "cabinet" for episode in drawn)
+    assert all(TASKS["PnPCounterToCab"].draw(default_rng(s)).foods["cheese"].on == "counter" for s in SEEDS)
+
+
+def test_goals_of_composite_tasks_are_atomic_tasks():
+    assert TASKS["StoreCheese"].goal_of == ("PnPCabToCounter", "CloseSingleDoor")
+    for spec in TASKS.values():
+        assert all(not TASKS[name].composite for name in spec.goal_of)
+
+
+# --- judges
+
+
+def put(kitchen, food, p):
+    kitchen.physics.set_food(food, Pose(np.asarray(p, dtype=float), np.array([1.0, 0.0, 0.0, 0.0])))
+    kitchen.physics.forward()
+
+
+def turn(kitchen, degrees):
+    kitchen.physics.set_door(np.radians(degrees))
+    kitchen.physics.forward()
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize(("task", "angle", "success"), [
+    ("OpenSingleDoor", 100, True), ("OpenSingleDoor", 76, True), ("OpenSingleDoor", 70, False), ("OpenSingleDoor", 0, False),
+    ("CloseSingleDoor", 0, True), ("CloseSingleDoor", 2, True), ("CloseSingleDoor", 5, False), ("CloseSingleDoor", 90, False),
+])  # fmt: skip
+def test_door_judges(task, angle, success):
+    kitchen = make(task, 0)
+    turn(kitchen, angle)
+    assert kitchen.succeeded() is success
+
+
+@pytest.mark.simulation
+def test_a_hand_on_the_handle_is_no_success():
+    kitchen = make("CloseSingleDoor", 0)
+    turn(kitchen, 0)
+    handle = kitchen.physics.T_world("door").apply(layout.HANDLE)
+    kitchen.physics.set_arm(arm.solve(kitchen.physics, layout.hand_pose(handle, np.radians(15), np.radians(20))))
+    kitchen.physics.forward()
+    assert not kitchen.succeeded()
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize(("p", "success"), [
+    ((0.45, 0.30, 0.025), True), ((0.45, 0.30, 0.20), False), ((0.90, 0.30, 0.025), False), ((0.45, 0.70, 0.025), False),
+])  # fmt: skip
+def test_counter_judge(p, success):
+    kitchen = make("PnPCabToCounter", 0)
+    put(kitchen, kitchen.focus[0], p)
+    assert kitchen.succeeded() is success
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize(("offset", "success"), [
+    ((-0.05, 0.0, -0.16), True), ((-0.05, 0.10, -0.16), True), ((-0.05, 0.0, 0.0), False), ((-0.20, 0.0, -0.16), False),
+    ((-0.05, 0.25, -0.16), False),
+])  # fmt: skip
+def test_cabinet_judge(offset, success):
+    kitchen = make("PnPCounterToCab", 0)
+    put(kitchen, kitchen.focus[0], kitchen.physics.T_world("cabinet").apply(offset))
+    assert kitchen.succeeded() is success
+
+
+@pytest.mark.simulation
+def test_a_food_in_motion_or_in_the_hand_is_no_success():
+    kitchen = make("PnPCabToCounter", 0)
+    food = kitchen.focus[0]
+    put(kitchen, food, (0.45, 0.30, 0.025))
+    assert kitchen.succeeded()
+    kitchen.physics.data.joint(f"{food}_joint0").qvel[0] = 0.1
+    assert not kitchen.succeeded()
+    put(kitchen, food, (0.45, 0.30, 0.025))
+    kitchen.physics.set_arm(arm.solve(kitchen.physics, layout.hand_pose((0.45, 0.30, 0.04), 0.0, np.radians(50))))
+    kitchen.physics.forward()
+    assert not kitchen.succeeded()
+
+
+@pytest.mark.simulation
+def test_store_cheese_needs_the_cheese_out_and_the_door_shut():
+    kitchen = make("StoreCheese", 0)
+    turn(kitchen, 90)
+    put(kitchen, "cheese", (0.45, 0.30, 0.02))
+    assert not kitchen.succeeded()
+    turn(kitchen, 0)
+    assert kitchen.succeeded()
+    put(kitchen, "cheese", kitchen.physics.T_world("cabinet").apply((-0.05, 0.0, -0.16)))
+    assert not kitchen.succeeded()
