@@ -1,8 +1,8 @@
 """`command:TEMPLATE`: any planner that is a program, like ``command:popf {domain} {problem}``.
 
 The program is run without a shell, in a folder of its own, with limits on time, memory and output; when it ends, so does
-every process it started. Its plan is read from the file that `{plan}` names, or from what it prints. A plan is only believed after it
-was run by our own semantics.
+every process it started. Its plan is read from the file that `{plan}` names, or from what it prints. A plan is only believed
+after it was run by our own semantics.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """`pyperplan`: the planner by Alkhazraji and others, in process. It reads the `strips` dialect and counts steps, not costs.
 
-It is given text, as any planner is, and its operators are put in order before the search, so that the plan does not depend on the
-order of Python's sets. Its own log stays quiet, and no file is written.
+It is given text, as any planner is; only where the `strips` dialect cannot say a negative condition it gets ground steps. Its
+operators are put in order before the search, so that the plan does not depend on the order of Python's sets. Its own log stays
+quiet, and no file is written.
 """
 
 from __future__ import annotations
@@ -16,14 +17,14 @@ from importlib.metadata import version
 from math import prod
 from typing import Any
 
-from symskill_pddl.errors import InputError, MissingDependencyError, ParseError, alternatives
+from symskill_pddl.errors import InputError, MissingDependencyError, alternatives
 from symskill_pddl.pddl.dialect import exported
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.pddl.plan import read_plan
-from symskill_pddl.planning.grounding import OutOfTimeError
+from symskill_pddl.planning.grounding import OutOfTimeError, TooLargeError, ground_task
 from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Status, Step
-from symskill_pddl.symbols import Domain, Plan, Problem
+from symskill_pddl.symbols import Domain, Plan, Problem, check_domain, check_problem
 
 SEARCHES = ("astar", "gbf", "wastar")
 HEURISTICS = ("blind", "hadd", "hff", "hmax", "lmcut")
@@ -67,7 +68,7 @@ class Pyperplan:
         Raises
         ------
         InputError
-            The problem does not fit the domain, or the domain does not fit the `strips` dialect.
+            The problem does not fit the domain.
         MissingDependencyError
             pyperplan is not installed.
         """
@@ -79,43 +80,63 @@ class Pyperplan:
         def result(status: Status, plan: Plan | None = None, *more: str) -> PlanResult:
             return PlanResult(status, plan, time.monotonic() - start, (*more, *messages), self.name)
 
-        form = exported(domain, "strips")
-        whole = form.problem(problem)
-        bindings = sum(
-            prod(sum(form.domain.is_a(t, p.type) for _, t in whole.objects) for p in op.parameters)
-            for op in form.domain.operators
-        )
-        if bindings > limits.ground_operators:
-            return result(Status.FAILED, None, f"{bindings} ground operators, the limit is {limits.ground_operators}")
-        names = Names.of(domain, problem.object_types)
-        exported_domain, exported_problem = names.domain(domain), names.problem(problem)
-        texts = write_domain(exported_domain), write_problem(exported_problem, exported_domain)
+        deadline = start + limits.time_s
         try:
-            with _quiet():
-                found = self._run(*texts, start + limits.time_s)
+            if _fits(domain, problem):
+                plan = self._by_text(domain, problem, limits, deadline)
+            else:
+                plan = self._by_ground_steps(domain, problem, limits, deadline)
+                messages.append("the 'strips' dialect cannot say this domain, so pyperplan was given the ground steps")
         except OutOfTimeError:
             return result(Status.TIMEOUT, None, f"the time limit of {limits.time_s:g} s passed")
-        except RecursionError:
-            return result(Status.FAILED, None, "pyperplan's parser gave up: the problem is nested too deeply")
-        if found is None:
+        except TooLargeError as error:
+            return result(Status.FAILED, None, str(error))
+        if plan is None:
             return result(Status.UNSOLVABLE)
-        try:
-            plan = read_plan(found, exported_domain, exported_problem.object_types, "pyperplan")
-        except ParseError as error:
-            return result(Status.FAILED, None, f"pyperplan's plan is not a plan of the domain: {error}")
-        plan = names.inverse().plan(plan)
         steps = plan.ground(domain, problem.object_types)
         return result(Status.SOLVED, Plan(plan.steps, sum(step.cost for step in steps)))
 
-    def _run(self, domain_text: str, problem_text: str, deadline: float) -> str | None:
-        try:
-            engine: Any = import_module("pyperplan.planner")
-        except ImportError:
-            raise MissingDependencyError("the planner 'pyperplan' is not installed; pip install pyperplan") from None
+    def _by_text(self, domain: Domain, problem: Problem, limits: Limits, deadline: float) -> Plan | None:
+        form = exported(domain, "strips").domain
+        bindings = sum(
+            prod(sum(form.is_a(t, p.type) for _, t in problem.objects) for p in op.parameters) for op in form.operators
+        )
+        if bindings > limits.ground_operators:
+            raise TooLargeError(f"{bindings} ground operators, the limit is {limits.ground_operators}")
+        names = Names.of(domain, problem.object_types)
+        exported_domain, exported_problem = names.domain(domain), names.problem(problem)
+        engine = _engine()
         parser = engine.Parser("", "")
-        parser.domInput, parser.probInput = domain_text, problem_text
-        problem = parser.parse_problem(parser.parse_domain(read_from_file=False), read_from_file=False)
-        task = engine.grounding.ground(problem)
+        parser.domInput, parser.probInput = write_domain(exported_domain), write_problem(exported_problem, exported_domain)
+        with _quiet():
+            parsed = parser.parse_problem(parser.parse_domain(read_from_file=False), read_from_file=False)
+            solution = self._search(engine, engine.grounding.ground(parsed), deadline)
+        if solution is None:
+            return None
+        return names.inverse().plan(read_plan("\n".join(solution), exported_domain, exported_problem.object_types, "pyperplan"))
+
+    def _by_ground_steps(self, domain: Domain, problem: Problem, limits: Limits, deadline: float) -> Plan | None:
+        task = ground_task(domain, problem, extra_costs={}, deadline=deadline, limit=limits.ground_operators)
+        if task.goal is None:
+            return None
+        engine, module = _engine(), import_module("pyperplan.task")
+
+        def facts(mask: int) -> frozenset[str]:
+            return frozenset(f"fact-{i}" for i in range(task.n_facts) if mask >> i & 1)
+
+        actions = {f"step-{i:06d}": a for i, a in enumerate(task.actions)}
+        operators = [
+            module.Operator(name, facts(a.pre_mask), facts(a.add_mask), facts(a.delete_mask & ~a.add_mask))
+            for name, a in actions.items()
+        ]
+        every = frozenset(f"fact-{i}" for i in range(task.n_facts))
+        with _quiet():
+            solution = self._search(
+                engine, module.Task(problem.name, every, facts(task.init), facts(task.goal_mask), operators), deadline
+            )
+        return None if solution is None else Plan(tuple(actions[name].step for name in solution))
+
+    def _search(self, engine: Any, task: Any, deadline: float) -> list[str] | None:
         task.operators = sorted(task.operators, key=lambda op: op.name)
         inner = engine.HEURISTICS[self.heuristic](task)
 
@@ -125,7 +146,25 @@ class Pyperplan:
             return inner(node)
 
         solution = engine.SEARCHES[self.search](task, heuristic)
-        return None if solution is None else "\n".join(op.name for op in solution)
+        return None if solution is None else [op.name for op in solution]
+
+
+def _fits(domain: Domain, problem: Problem) -> bool:
+    """Whether the problem can be said in the `strips` dialect."""
+    check_domain(domain)
+    check_problem(domain, problem)
+    try:
+        exported(domain, "strips").problem(problem)
+    except InputError:
+        return False
+    return True
+
+
+def _engine() -> Any:
+    try:
+        return import_module("pyperplan.planner")
+    except ImportError:
+        raise MissingDependencyError("the planner 'pyperplan' is not installed; pip install pyperplan") from None
 
 
 @contextmanager
