@@ -111,17 +111,35 @@ def _preposition(place: Place, extents: Extents) -> str:
 
 
 def contact_names(relations: Relations, places: Sequence[str]) -> tuple[str, ...]:
-    """One name per contact: `gripper-holds-food`; pushes that lead to different states `gripper-at-door-to-close`,
-    `...-to-open`."""
-    names = []
-    for k, contact in enumerate(relations.contacts):
-        base = f"gripper-{'holds' if contact.held else 'at'}-{slug(contact.type)}"
-        rivals = [c for c in relations.contacts if c.type == contact.type and c.held == contact.held]
-        ends = {label.end for label in relations.labels if label.contact == k and label.end is not None}
-        if len(rivals) > 1 and contact.articulated and len(ends) == 1:
-            base += f"-to-{_verb(_state(places[ends.pop()], contact.type))}"
-        names.append(base)
+    """One name per contact: `gripper-holds-food`, `gripper-at-door`.
+
+    Several ways to act on one hinged type are told apart by where they lead (`gripper-at-door-to-close`), or else by where they begin
+    (`gripper-holds-door-from-open`).
+    """
+    bases = [f"gripper-{'holds' if c.held else 'at'}-{slug(c.type)}" for c in relations.contacts]
+    names = list(bases)
+    for base in sorted(set(bases)):
+        rivals = [k for k, b in enumerate(bases) if b == base]
+        if len(rivals) > 1 and relations.contacts[rivals[0]].articulated:
+            ways = [_way(relations, k, places) for k in rivals]
+            ends, starts = [f"to-{_verb(end)}" for _, end in ways], [f"from-{start}" for start, _ in ways]
+            if len(set(ends)) == len(ends):
+                words = ends
+            elif len(set(starts)) == len(starts):
+                words = starts
+            else:
+                words = [f"{start}-{end}" for start, end in zip(starts, ends, strict=True)]
+            for k, word in zip(rivals, words, strict=True):
+                names[k] = f"{base}-{word}"
     return unique(names)
+
+
+def _way(relations: Relations, contact: int, places: Sequence[str]) -> tuple[str, str]:
+    """In words, where a contact's episodes begin and lead; by construction the same for all of them if the type is hinged."""
+    label = next(label for label in relations.labels if label.contact == contact)
+    type_ = relations.contacts[contact].type
+    start = _state(places[label.start], type_) if label.start is not None else "elsewhere"
+    return start, _state(places[label.end], type_) if label.end is not None else "away"
 
 
 def _state(place: str, type_: str) -> str:
@@ -151,6 +169,21 @@ def operator_name(label: Label, moves: bool, relations: Relations, places: Seque
             return f"{verb}-{type_}", "move"
         return (f"turn-{type_}-back" if verb == "turn-back" else f"move-{type_}-{state}"), "move"
     return (f"place-{type_}-{state}", "place") if contact.held else (f"push-{type_}-{state}", "move")
+
+
+def operator_names(
+    labels: Sequence[tuple[Label, bool]], relations: Relations, places: Sequence[str], contacts: Sequence[str]
+) -> tuple[str, ...]:
+    """Unique names of operators, given by a label and whether it `moves`; equal ones are told apart by their contact first."""
+    names = [operator_name(label, moves, relations, places)[0] for label, moves in labels]
+    clear = []
+    for name, (label, _) in zip(names, labels, strict=True):
+        contact = relations.contacts[label.contact]
+        words = (
+            contacts[label.contact].removeprefix("gripper-holds-").removeprefix("gripper-at-").removeprefix(slug(contact.type))
+        )
+        clear.append(name + words if names.count(name) > 1 else name)
+    return unique(clear)
 
 
 def _without_preposition(state: str) -> str:

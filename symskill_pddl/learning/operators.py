@@ -11,13 +11,13 @@ import numpy as np
 from symskill_pddl.abstraction import Classifier
 from symskill_pddl.demos import Demo
 from symskill_pddl.learning.lifting import Lifted, lift
-from symskill_pddl.learning.naming import operator_name, slug, unique
+from symskill_pddl.learning.naming import operator_name, operator_names, slug
 from symskill_pddl.learning.predicates import Relations
 from symskill_pddl.learning.references import Extents
 from symskill_pddl.learning.transitions import Transition
 from symskill_pddl.library import Evidence, LearnedOperator
 from symskill_pddl.scene import GRIPPER
-from symskill_pddl.symbols import Absent, Atom, Operator, Parameter, State
+from symskill_pddl.symbols import GRIPPER_OPEN, Absent, Atom, Operator, Parameter, State
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def learn_operators(
             )
         else:
             kept.append(group)
-    names = unique(operator_name(g[0].label, g[0].moves, relations, places)[0] for g in kept)
+    names = operator_names([(g[0].label, g[0].moves) for g in kept], relations, places, contacts)
     states = [(t, s) for t in found for s in (t.before, t.after)]
     learned = [
         _operator(name, g, states, relations, classifiers, places, contacts, extents, config)
@@ -173,6 +173,12 @@ def _effects(
                 notes.append(f"dropped effect: {what} {atom}: {reason}")
             else:
                 kept[what].add(atom)
+    # the fingers are told to close: where a recording begins with them half open, this is not seen as a change
+    fingers = Atom(GRIPPER_OPEN)
+    closes = not group[0].moves and all(t.demo.gripper_closed[t.end] and fingers not in t.after for t in group)
+    if closes and fingers not in kept["deletes"]:
+        kept["deletes"].add(fingers)
+        notes.append(f"added effect: not {fingers}, the fingers close in all its demonstrations")
     return frozenset(kept["adds"]), frozenset(kept["deletes"])
 
 

@@ -364,13 +364,18 @@ def _closes_on(e: Episode) -> bool:
     closing = closing_sample(e)
     if closing is None:
         return False
-    T_obj_ee = e.demo.pose(e.obj)[[closing, e.start]].inverse() @ e.demo.T_world_ee[[closing, e.start]]
+    pair = [closing, max(closing, e.start)]
+    T_obj_ee = e.demo.pose(e.obj)[pair].inverse() @ e.demo.T_world_ee[pair]
     return bool(np.linalg.norm(T_obj_ee.p[1] - T_obj_ee.p[0]) < 0.01)
 
 
 def closing_sample(e: Episode) -> int | None:
-    """The last sample before or at the start of the motion at which the fingers are told to close; None if they never are."""
-    command = e.demo.gripper_closed[e.begin : e.start + 1].astype(np.int8)
+    """The last sample at which the fingers are told to close before the motion, or as it begins; None if they are not.
+
+    Fingers that close on an object push it a little, so the command may come a moment after the object's first movement.
+    """
+    soon = int(np.searchsorted(e.demo.times, e.demo.times[e.start] + 0.5))
+    command = e.demo.gripper_closed[e.begin : min(soon, e.stop - 1) + 1].astype(np.int8)
     switches = np.flatnonzero(np.diff(command) > 0)
     return e.begin + int(switches[-1]) + 1 if len(switches) and command[-1] else None
 

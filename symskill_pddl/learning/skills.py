@@ -104,7 +104,7 @@ def _stretches(t: Transition, config: SkillConfig) -> tuple[tuple[Stretch, ...],
     if not t.moves:
         rest = e.before.T_world_obj if e.before is not None else e.demo.pose(e.obj)[e.start]
         found += _runs("approach", t.begin, e.start, rest.inverse() @ e.demo.T_world_ee, t, config)
-        return tuple(found), bool(command[min(e.start, len(command) - 1)])
+        return tuple(found), bool(command[t.end])
     reference = _reference(t)
     found += _runs("motion", e.start, e.stop - 1, reference.inverse() @ e.demo.T_world_ee, t, config)
     rest = e.after.T_world_obj if e.after is not None else e.demo.pose(e.obj)[e.stop - 1]
