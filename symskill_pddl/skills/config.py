@@ -54,6 +54,8 @@ class FitConfig:
     disturbance_m: float = 0.25
     final_m: float = 0.05
     """Also from starts that are this much aside, the last way into the goal has to lead through where the demonstrations went."""
+    max_strays: float = 1.8
+    """Tolerances by which it may miss them before a via pose is set; infinite for motions that always start as demonstrated."""
     via_tolerance_m: float = 0.02
     via_tolerance_rad: float = 0.175
     """How close an intermediate goal of a split skill has to be reached."""

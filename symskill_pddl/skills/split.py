@@ -20,9 +20,6 @@ from symskill_pddl.skills.following import deviation, retreat, strays
 from symskill_pddl.skills.skill import Phase
 from symskill_pddl.skills.trajectory import Trajectory, continuous_signs, evenly, smooth
 
-_MOST_STRAYS = 2.0
-"""Tolerances by which the last way may leave the demonstrations, from starts that were not demonstrated."""
-
 
 @dataclass(frozen=True)
 class FitReport:
@@ -95,7 +92,7 @@ def fit_reported(trajectories: Sequence[Trajectory], config: FitConfig = FitConf
     whole = _Part.fit([smooth(t, config.smoothing_s) for t in trajectories], config)
     parts = [whole] if whole.deviation <= 1.0 else _split(whole, config)
     stray = strays(whole.field, whole.trajectories, whole.shown, config)
-    if len(parts) == 1 and stray > _MOST_STRAYS and config.max_fields > 1:
+    if len(parts) == 1 and stray > config.max_strays and config.max_fields > 1:
         halves = whole.halves(config, apart=config.final_m / config.tolerance_m)
         if halves is not None and _worst(halves) <= max(1.0, whole.deviation):
             parts = list(halves)

@@ -31,6 +31,21 @@ def u_shape(seed: int, turn: float = 0.0) -> Trajectory:
     return Trajectory(0.05 * np.arange(len(x)), Pose.from_rotvec(x, r))
 
 
+def grasp(seed: int) -> Trajectory:
+    """From one side to 6 cm above the goal and, slower, straight down; with pauses and noise. 7.5 s."""
+    rng = np.random.default_rng(seed)
+
+    def ease(n: int) -> np.ndarray:
+        u = np.linspace(0.0, 1.0, n)[:, None]
+        return 3 * u**2 - 2 * u**3
+
+    start, via, goal = np.array([0.3, 0.2, 0.3]) + rng.normal(0, 0.05, 3), np.array([0, 0, 0.06]), rng.normal(0, 0.002, 3)
+    still = [np.repeat(x[None], n, 0) for x, n in ((start, 20), (via, 10), (goal, 20))]
+    x = np.concatenate([still[0], start + (via - start) * ease(40), still[1], via + (goal - via) * ease(60), still[2]])
+    x = x + rng.normal(0, 3e-4, x.shape)
+    return Trajectory(0.05 * np.arange(len(x)), Pose.from_rotvec(x, rng.normal(0, 0.002, x.shape)))
+
+
 def execute(
     fields: tuple[Field, ...], T: Pose, config: FitConfig, limit_s: float, final: tuple[float, float] = (0.005, 0.03)
 ) -> tuple[Pose, bool]:

@@ -70,7 +70,7 @@ def test_head_on_gets_around(radii):
 def test_several_obstacles_are_passed(seed):
     rng = np.random.default_rng(seed)
     obstacles = [ball([0.35, 0.12, 0]), ball([0.35, -0.12, 0.02]), ball([0.6, 0, 0.05], 0.08)]
-    way = drive([0.95, 0, 0] + rng.normal(0, 0.03, 3), obstacles)
+    way = drive(np.array([0.95, 0, 0]) + rng.normal(0, 0.03, 3), obstacles)
     assert np.linalg.norm(way[-1]) < 1e-3
     assert min(levels(way, o).min() for o in obstacles) > 0.9
 

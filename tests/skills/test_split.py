@@ -8,7 +8,7 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose
 from symskill_pddl.skills import FitConfig, Trajectory, fit_fields, fit_phases, fit_reported
 
-from .conftest import execute, reach, u_shape
+from .conftest import execute, grasp, reach, u_shape
 
 DATA = Path(__file__).parent.parent / "data" / "robottasks9"
 
@@ -18,6 +18,7 @@ def test_a_reach_is_one_field(reaches):
     assert len(fields) == 1
     assert report.deviations[0] <= 1.0
     assert report.retreat < 0.05
+    assert report.strays < 1.0
     assert report.durations_s == (pytest.approx(5.0),)
 
 
@@ -59,6 +60,19 @@ def test_different_timing_and_starts():
         way, arrived = execute(fields, demo.T_frame_ee[0], FitConfig(), 20.0)
         assert arrived
         assert np.linalg.norm(way.p[:, None] - demo.T_frame_ee.p[None], axis=-1).min(1).max() < 0.025
+
+
+@pytest.mark.parametrize("count", [1, 3, 8])
+def test_a_grasp_from_above_comes_from_above_from_anywhere(count):
+    fields, report = fit_reported([grasp(seed) for seed in range(1, count + 1)])
+    assert len(fields) == 2
+    assert report.retreat < 0.05
+    assert report.strays > FitConfig().max_strays
+    for start in ([0.3, 0.2, 0.3], [0.2, -0.3, 0.3], [-0.3, 0.2, 0.3], [-0.3, -0.1, 0.2], [0, 0.3, 0.1]):
+        way, arrived = execute(fields, Pose(np.array(start), np.array([1.0, 0, 0, 0])), FitConfig(), 15.0)
+        assert arrived
+        low = way.p[way.p[:, 2] < 0.035]
+        assert np.linalg.norm(low[:, :2] - fields[-1].T_goal.p[:2], axis=1).max() < 0.012
 
 
 def test_phases_have_loose_tolerances_in_between():
