@@ -1,8 +1,8 @@
 """How people open and close the cabinet's door.
 
-Both take two contacts. Opening: the bar is grasped and pulled until the door is ajar, then the inner face is pushed; with one pull
-the hand would end outside the open door and drag it shut on its way out. Closing: the free edge is grasped and pulled until the door
-is ajar, then the bar is pushed from the front; the outer face of a wide open door is out of the arm's way.
+Both take two contacts. Opening: the bar is grasped and pulled until the door is ajar, then the inner face is pushed; with one
+pull the hand would end outside the open door and drag it shut on its way out. Closing: the free edge is grasped and pulled until
+the door is ajar, then the bar is pushed from the front; the outer face of a wide open door is behind the door for the arm.
 """
 
 from __future__ import annotations
@@ -14,12 +14,13 @@ import numpy as np
 
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
-from symskill_pddl.kitchen.demo_hand import Hand, along, facing, moved, offset
+from symskill_pddl.kitchen.demo_hand import Hand, along, facing, offset
 from symskill_pddl.kitchen.human import approach_twice, vary
 from symskill_pddl.kitchen.layout import Vec3
 
 YAW_AT_SHUT, YAW_WITH_DOOR = np.radians(15.0), 0.6
-"""The hand's yaw on the bar: it follows the door by 0.6 of its angle, which keeps the wrist away from its limits."""
+BAR_PITCH_DEG = (39.0, 45.0)
+"""The hand on the bar: its yaw follows the door by 0.6 of the angle, and it looks down, for the sake of the wrist's limits."""
 AJAR_DEG = (49.5, 52.5)
 """Where a door is left between the two contacts."""
 
@@ -37,7 +38,7 @@ class Door:
         return self.T_world_cabinet @ T_cabinet_hinge @ offset(-hinge)
 
     def hand(self, angle: float, p: Vec3, yaw: float, pitch: float, like: Pose, roll: float = 0.0) -> Pose:
-        """A hand at the point `p` of the door's frame, door at `angle`; `yaw` counts from the direction straight into the cabinet."""
+        """A hand at the point `p` of the door's frame, door at `angle`; `yaw` counts from straight into the cabinet."""
         into = float(self.T_world_cabinet.rotvec()[2])
         return Pose(self.frame(angle).apply(p), facing(into + yaw, pitch, like, roll))
 
@@ -51,10 +52,10 @@ def open_door(hand: Hand, door_name: str) -> None:
     rng, faults = hand.rng, hand.faults
     door = Door(hand.scene.pose("cabinet"))
     x, y, z = layout.HANDLE
-    bar = (x, y, z + float(rng.uniform(-0.015, 0.015)))
+    bar, pitch = (x, y, z + float(rng.uniform(-0.015, 0.015))), float(np.radians(rng.uniform(*BAR_PITCH_DEG)))
 
     def on_bar(angle: float) -> Pose:
-        return door.hand(angle, bar, YAW_AT_SHUT + YAW_WITH_DOOR * angle, 0.0, hand.T)
+        return door.hand(angle, bar, YAW_AT_SHUT + YAW_WITH_DOOR * angle, pitch, hand.T)
 
     grasp = on_bar(0.0)
     way: list[Pose] = [vary(along(grasp, -0.12), rng, 0.01), grasp]
@@ -90,14 +91,14 @@ def _push_open(hand: Hand, door: Door, ajar: float) -> None:
 
 
 def close_door(hand: Hand, door_name: str) -> None:
-    """Grasp the free edge of the open door, pull it until ajar, let go, and push the bar from the front until the door is shut."""
+    """Grasp the free edge of the open door, pull it until ajar, let go, and push the bar from the front until it is shut."""
     rng, faults = hand.rng, hand.faults
     door = Door(hand.scene.pose("cabinet"))
     start = door.angle(hand.scene.pose(door_name))
     height, pitch = float(rng.uniform(-0.08, -0.04)), float(np.radians(rng.uniform(57.0, 63.0)))
 
     def on_edge(angle: float) -> Pose:
-        """Fingers on either side of the panel, steep, looking along the door towards its hinge (by 0.7 of the angle, for the wrist)."""
+        """Fingers on either side of the panel, steep, looking along the door towards its hinge (0.7 of it, for the wrist)."""
         yaw = 0.7 * (angle - np.pi / 2)
         return door.hand(angle, (0.0, layout.DOOR.half[1] - 0.012, height), yaw, pitch, hand.T)
 
@@ -121,10 +122,10 @@ def _push_shut(hand: Hand, door: Door, door_name: str) -> None:
     """The bar between the open fingers, and on with the palm until nothing moves any more."""
     rng = hand.rng
     x, y, z = layout.HANDLE
-    bar = (x, y, z + float(rng.uniform(-0.015, 0.015)))
+    bar, pitch = (x, y, z + float(rng.uniform(-0.015, 0.015))), float(np.radians(rng.uniform(*BAR_PITCH_DEG)))
 
     def on_bar(angle: float) -> Pose:
-        return along(door.hand(angle, bar, YAW_AT_SHUT + YAW_WITH_DOOR * angle, 0.0, hand.T), 0.025)
+        return along(door.hand(angle, bar, YAW_AT_SHUT + YAW_WITH_DOOR * angle, pitch, hand.T), 0.025)
 
     ajar = door.angle(hand.scene.pose(door_name))
     hand.go([vary(along(on_bar(ajar), -0.13), rng, 0.01), along(on_bar(ajar), -0.02)])

@@ -1,4 +1,4 @@
-"""How people take food out of the cabinet and put it in: grasped across its thin side, at one pitch from the pick to the place.
+"""How people take food out of the cabinet and put it in: grasped across its thin side, with the same pitch all the way.
 
 The pitch stays, because food that is turned between the fingers tumbles when it is put down. It is one at which the arm reaches
 both the counter and the cabinet's floor. The last way in and the first way out run straight along the approach direction.

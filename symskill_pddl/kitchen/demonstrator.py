@@ -1,6 +1,6 @@
 """The demonstrator: does a task of the kitchen as a person would, from what is seen and the geometry of the fixtures.
 
-Everything goes through `World.step`, within the limits of `demo_hand`. The judge is asked by whoever records, and only at the end.
+Everything goes through `World.step`, within the limits of `demo_hand`. Whoever records asks the judge, at the end only.
 """
 
 from __future__ import annotations

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from symskill_pddl.kitchen.demonstrator import demonstrate
 
 from symskill_pddl.demos.demo import Demo
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import make
+from symskill_pddl.kitchen.demonstrator import demonstrate
 from symskill_pddl.scene import Scene
 
 MAX_SEED = 2**31 - 1

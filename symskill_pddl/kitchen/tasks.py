@@ -30,13 +30,13 @@ HAND_AWAY = 0.08
 
 COUNTER_REGION = Box((0.42, 0.0, 0.025), (0.20, 0.55, 0.025))
 """Where a food counts as being on the counter (world): what the arm reaches of it."""
-COUNTER_SPOT = Box((0.43, 0.37, 0.0), (0.05, 0.06, 0.0))
-"""Where the food to be picked from the counter stands (world): beside the arm, where a hand reaches at 40 to 60 degrees."""
+COUNTER_SPOT = Box((0.55, 0.11, 0.0), (0.03, 0.07, 0.0))
+"""Where the food to be picked from the counter stands (world): a steep hand is clear of the wrist's singularity here."""
 COUNTER_ASIDE = (Box((0.46, -0.25, 0.0), (0.08, 0.04, 0.0)), Box((0.46, -0.42, 0.0), (0.08, 0.04, 0.0)))
 """Where the other foods stand (world), out of the way."""
-CABINET_SPOT = Box((-0.06, 0.015, 0.0), (0.03, 0.045, 0.0))
-"""Where a food stands in the cabinet, in the cabinet's frame."""
-HAND_START = Box((0.385, 0.0, 0.30), (0.035, 0.05, 0.05))
+CABINET_SPOT = Box((-0.06, -0.005, 0.0), (0.03, 0.04, 0.0))
+"""Where a food stands in the cabinet, in the cabinet's frame: near the front, where the same steep hand fits in."""
+HAND_START = Box((0.42, 0.0, 0.32), (0.03, 0.05, 0.04))
 
 
 @dataclass(frozen=True)
@@ -75,12 +75,12 @@ class Episode:
     def must_reach(self, T_world_door: Pose) -> tuple[Pose, ...]:
         """Hand poses without which the task cannot be done: the foods of the focus, and the handle where the door is."""
         poses = [
-            hand_pose(food_pose(name, place, self.cabinet_shift).p, place.yaw, math.radians(50.0))
+            hand_pose(food_pose(name, place, self.cabinet_shift).p, place.yaw, math.radians(78.0))
             for name, place in self.foods.items()
             if name in self.focus
         ]
         if "door" in self.focus and self.door_angle < DOOR_OPEN / 2:
-            poses.append(hand_pose(T_world_door.apply(layout.HANDLE), math.radians(15.0), 0.0))
+            poses.append(hand_pose(T_world_door.apply(layout.HANDLE), math.radians(15.0), math.radians(42.0)))
         return tuple(poses)
 
 
@@ -120,7 +120,7 @@ def _draw(rng: Generator, focus: tuple[str, ...], food: str | None, food_on: str
     foods = {main: spot} | {name: _place(rng, "counter", COUNTER_ASIDE[int(i)]) for name, i in zip(others, aside, strict=True)}
     shift = _uniform(rng, Box((0.0, 0.0, 0.0), (0.02, 0.02, 0.02)))
     angle = math.radians(float(rng.uniform(*door_deg)))
-    yaw, pitch = (math.radians(float(rng.uniform(*limits))) for limits in ((-10.0, 10.0), (40.0, 60.0)))
+    yaw, pitch = (math.radians(float(rng.uniform(*limits))) for limits in ((-10.0, 10.0), (65.0, 85.0)))
     start = hand_pose(_uniform(rng, HAND_START), yaw, pitch)
     focus = tuple(main if name == "food" else name for name in focus)
     return Episode(focus, shift, angle, {name: foods[name] for name in names}, start)
