@@ -103,7 +103,7 @@ def test_the_hand_picks_lifts_and_holds_a_food_of_200_g(seed):
     body = kitchen.physics.model.body(f"{food}_main")
     body.inertia[:] *= 0.2 / body.mass[0]
     body.mass[0] = 0.2
-    T, yaw, pitch = kitchen.observe().pose(food), kitchen.episode.foods[food].yaw, np.radians(50.0)
+    T, yaw, pitch = kitchen.observe().pose(food), kitchen.episode.foods[food].yaw, np.radians(78.0)
     grasp = hand_pose(T.p, yaw, pitch)
     servo(kitchen, Pose(grasp.p - grasp.rotate([0.0, 0.0, 0.12]), grasp.q), False, 60)
     position, rotation = servo(kitchen, grasp, False, 50)
