@@ -120,7 +120,8 @@ def outcome_json(episode: Episode, result: EpisodeResult, outcome: Outcome) -> d
 def tell(result: EpisodeResult, outcome: Outcome) -> None:
     """A run for people."""
     rows = [(f"{s.start_s:.1f}", f"{s.stop_s:.1f}", s.step, s.verdict, s.reason) for s in outcome.steps]
-    table("", ("from [s]", "to [s]", "step", "verdict", "because"), rows)
+    if rows:
+        table("", ("from [s]", "to [s]", "step", "verdict", "because"), rows)
     recovered = f", recoveries: {', '.join(outcome.recoveries)}" if outcome.recoveries else ""
     say(f"{result.category}: {result.reason} ({result.time_s:.1f} s, {result.replans} new plans{recovered})")
 
