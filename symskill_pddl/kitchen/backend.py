@@ -21,14 +21,23 @@ def load_mujoco() -> ModuleType:
     Raises
     ------
     MissingDependencyError
-        It is not installed.
+        It is not installed, or of a version that robosuite cannot work with.
     """
     # mujoco and robosuite look for a GL library at import unless they are told not to
     os.environ.setdefault("MUJOCO_GL", "disabled")
     try:
-        return importlib.import_module("mujoco")
+        module = importlib.import_module("mujoco")
     except ImportError as error:
         raise MissingDependencyError(f"the simulated kitchen needs mujoco ({error}): pip install 'mujoco>=3.3,<3.10'") from error
+    check_version(module.__version__)
+    return module
+
+
+def check_version(version: str) -> None:
+    """Raise MissingDependencyError unless robosuite 1.5 works with this mujoco (later ones changed `mj_fullM` and `qM`)."""
+    number = tuple(int(part) for part in version.split(".")[:2])
+    if not (3, 3) <= number < (3, 10):
+        raise MissingDependencyError(f"robosuite works with mujoco 3.3 to 3.9, found {version}: pip install 'mujoco>=3.3,<3.10'")
 
 
 @lru_cache(maxsize=1)

@@ -3,7 +3,8 @@ import sys
 
 import pytest
 
-from symskill_pddl.kitchen.backend import missing
+from symskill_pddl.errors import MissingDependencyError
+from symskill_pddl.kitchen.backend import check_version, missing
 
 
 @pytest.mark.parametrize(
@@ -18,6 +19,13 @@ def test_a_missing_libgl_says_what_to_install(text):
 
 def test_another_missing_module_names_robosuite():
     assert "pip install 'robosuite" in str(missing(ImportError("No module named 'robosuite'")))
+
+
+@pytest.mark.parametrize("version", ["3.2.7", "3.10.0", "4.0.0"])
+def test_a_mujoco_robosuite_cannot_use_is_refused(version):
+    with pytest.raises(MissingDependencyError, match=f"found {version}"):
+        check_version(version)
+    check_version("3.9.0")
 
 
 def test_importing_the_kitchen_imports_neither_robosuite_nor_mujoco():

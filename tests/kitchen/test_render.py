@@ -23,7 +23,7 @@ def test_a_picture_shows_something(tmp_path):
 def test_an_unknown_camera_lists_the_cameras():
     from symskill_pddl.kitchen.render import picture
 
-    with pytest.raises(InputError, match="inside.*overview"):
+    with pytest.raises(InputError, match=r"inside.*overview"):
         picture(make("OpenSingleDoor", 0), "never.png", camera="nowhere")
 
 
