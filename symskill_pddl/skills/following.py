@@ -86,7 +86,7 @@ def _pose_distances(pa: Array, qa: Array, pb: Array, qb: Array, config: FitConfi
 
 
 def retreat(way: Array) -> float:
-    """Largest rise of the distance to the goal along errors (n, 6), as a fraction of its largest value."""
+    """Largest rise of the distance to the goal along errors (n, d), as a fraction of its largest; 0 within a tolerance."""
     distance = np.linalg.norm(way, axis=1)
-    rise = distance - np.minimum.accumulate(distance)
-    return float(rise.max() / max(float(distance.max()), 1e-12))
+    rise = float((distance - np.minimum.accumulate(distance)).max())
+    return rise / float(distance.max()) if rise > 1.0 else 0.0

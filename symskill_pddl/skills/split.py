@@ -32,7 +32,8 @@ class FitReport:
     durations_s : tuple of float
         Mean demonstrated duration of each field's part, pauses included.
     retreat : float
-        Largest rise of the distance to the end pose within a demonstration, as a fraction of its largest value: 0 is monotone.
+        Largest rise of the distance, or of the angle, to the end pose within a demonstration, as a fraction of its largest value;
+        rises within the tolerances do not count. 0 is monotone.
     strays : float
         How far a single field would leave the demonstrations on the last way to the goal, in tolerances, from starts moved aside.
     """
@@ -99,7 +100,7 @@ def fit_reported(trajectories: Sequence[Trajectory], config: FitConfig = FitConf
     report = FitReport(
         tuple(p.deviation for p in parts),
         tuple(float(np.mean([t.duration_s for t in p.trajectories])) for p in parts),
-        max((retreat(way) for way in whole.shown), default=0.0),
+        max(retreat(way[:, block]) for way in whole.shown for block in (slice(0, 3), slice(3, 6))),
         stray,
     )
     return tuple(p.field for p in parts), report
@@ -166,18 +167,19 @@ class _Part:
         return best
 
     def _candidates(self) -> list[int]:
-        """Samples of the mean way where a via pose may help: its corner, its farthest and its nearest point before the end."""
-        way = self.shown.mean(0)
-        n = len(way)
+        """Samples of the mean way where a via pose may help: corner and farthest point, moving and turning, and the middle."""
+        mean = self.shown.mean(0)
+        n = len(mean)
         inner = slice(n // 12, n - n // 12)
-        chord = way[-1] - way[0]
-        along = np.clip((way - way[0]) @ chord / max(float(chord @ chord), 1e-12), 0.0, 1.0)
-        corner = np.linalg.norm(way - way[0] - along[:, None] * chord, axis=1)
-        distance = np.linalg.norm(way, axis=1)
-        found = [int(np.argmax(values[inner])) + inner.start for values in (corner, distance)]
-        found.append(n // 2)
+        found = []
+        for way in (mean[:, :3], mean[:, 3:]):
+            if np.ptp(way, axis=0).max() > 1.0:
+                chord = way[-1] - way[0]
+                along = np.clip((way - way[0]) @ chord / max(float(chord @ chord), 1e-12), 0.0, 1.0)
+                corner = np.linalg.norm(way - way[0] - along[:, None] * chord, axis=1)
+                found += [int(np.argmax(values[inner])) + inner.start for values in (corner, np.linalg.norm(way, axis=1))]
         kept: list[int] = []
-        for index in found:
+        for index in [*found, n // 2]:
             if all(abs(index - other) > n // 20 for other in kept):
                 kept.append(index)
         return kept

@@ -119,6 +119,16 @@ def test_real_demonstrations_are_followed(name, demos, most_cm, most_deg):
     assert np.degrees(np.mean(rotation)) < most_deg
 
 
+def test_a_rotation_that_turns_away_is_cut_at_its_turn():
+    # the wrist turns 55 deg away and back, while the position goes on: a single field would never turn
+    shown = robot_task("obstaclerotate", 9)
+    fields, report = fit_reported(shown)
+    assert report.retreat > 0.5
+    assert max(report.deviations) <= 1.0
+    turned = [np.linalg.norm((fields[-1].T_goal.inverse() @ f.T_goal).rotvec()) for f in fields[:-1]]
+    assert np.degrees(max(turned)) > 45
+
+
 def test_a_large_disturbance_is_survived():
     shown = robot_task("obstaclerotate", 9)
     fields = fit_fields(shown)
