@@ -113,8 +113,8 @@ def _preposition(place: Place, extents: Extents) -> str:
 def contact_names(relations: Relations, places: Sequence[str]) -> tuple[str, ...]:
     """One name per contact: `gripper-holds-food`, `gripper-at-door`.
 
-    Several ways to act on one hinged type are told apart by where they lead (`gripper-at-door-to-close`), or else by where they begin
-    (`gripper-holds-door-from-open`).
+    Several ways to act on one hinged type are told apart by where they lead (`gripper-at-door-to-close`), or else by
+    where they begin (`gripper-holds-door-from-open`).
     """
     bases = [f"gripper-{'holds' if c.held else 'at'}-{slug(c.type)}" for c in relations.contacts]
     names = list(bases)
@@ -135,7 +135,7 @@ def contact_names(relations: Relations, places: Sequence[str]) -> tuple[str, ...
 
 
 def _way(relations: Relations, contact: int, places: Sequence[str]) -> tuple[str, str]:
-    """In words, where a contact's episodes begin and lead; by construction the same for all of them if the type is hinged."""
+    """In words, where a contact's episodes begin and lead: the same for all of them if the type is hinged."""
     label = next(label for label in relations.labels if label.contact == contact)
     type_ = relations.contacts[contact].type
     start = _state(places[label.start], type_) if label.start is not None else "elsewhere"

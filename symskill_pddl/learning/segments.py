@@ -45,6 +45,9 @@ class SegmentConfig:
     held_m: float = 0.02
     held_rad: float = float(np.radians(15.0))
     """A gap is a pause in contact if the hand stays this near to where it was on the object."""
+    settle_m: float = 0.005
+    settle_rad: float = float(np.radians(2.0))
+    """A slow end of a motion counts as motion until the object is this near to where it comes to rest."""
     min_shift_m: float = 0.01
     min_turn_rad: float = float(np.radians(5.0))
     away_m: float = 0.03
@@ -150,9 +153,16 @@ def motions(demo: Demo, config: SegmentConfig) -> list[Motion]:
     found = []
     for obj in demo.objects:
         T = demo.pose(obj)
+        if not (
+            np.linalg.norm(T.p - T.p[0], axis=-1).max() >= config.min_shift_m
+            or rotation_distance(T, T[0]).max() >= config.min_turn_rad
+        ):
+            continue
         v, w = speeds(T, demo.times, config.filter_s)
         runs = intervals((v > config.enter_m_s) | (w > config.enter_rad_s), (v > config.leave_m_s) | (w > config.leave_rad_s))
-        for a, b in _merged(demo, T, runs, config):
+        merged = _merged(demo, T, runs, config)
+        for k, (a, fast) in enumerate(merged):
+            b = _settled(demo, T, fast, merged[k + 1][0] if k + 1 < len(merged) else len(demo), config)
             before, after = _pose_over(T, max(a - 5, 0), max(a, 1)), _pose_over(T, min(b, len(demo) - 1), min(b + 5, len(demo)))
             shift = float(np.linalg.norm(after.p - before.p))
             if shift >= config.min_shift_m or float(rotation_distance(before, after)) >= config.min_turn_rad:
@@ -182,6 +192,20 @@ def _pause(demo: Demo, T_world_obj: Pose, stop: int, start: int, config: Segment
         and np.max(np.linalg.norm(T_obj_ee.p - T_obj_ee.p[0], axis=-1)) < config.held_m
         and np.max(rotation_distance(T_obj_ee, T_obj_ee[0])) < config.held_rad
     )
+
+
+def _settled(demo: Demo, T_world_obj: Pose, stop: int, limit: int, config: SegmentConfig) -> int:
+    """The end of a motion that dies away more slowly than the thresholds see, while the hand stays where it was on the object."""
+    T_obj_ee = T_world_obj.inverse() @ demo.T_world_ee
+    gone = np.linalg.norm(T_obj_ee.p[stop:limit] - T_obj_ee.p[stop - 1], axis=-1) > config.away_m
+    gone |= demo.gripper_closed[stop:limit] != demo.gripper_closed[stop - 1]
+    until = stop + int(np.argmax(gone)) if gone.any() else limit
+    if until <= stop:
+        return stop
+    rest_pose = _pose_over(T_world_obj, max(until - 3, stop), until)
+    T = T_world_obj[stop:until]
+    still = (np.linalg.norm(T.p - rest_pose.p, axis=-1) < config.settle_m) & (rotation_distance(T, rest_pose) < config.settle_rad)
+    return stop if still.all() else stop + int(np.flatnonzero(~still)[-1]) + 1
 
 
 def _pose_over(T: Pose, start: int, stop: int) -> Pose:
