@@ -30,6 +30,8 @@ def load_mujoco() -> ModuleType:
     except ImportError as error:
         raise MissingDependencyError(f"the simulated kitchen needs mujoco ({error}): pip install 'mujoco>=3.3,<3.10'") from error
     check_version(module.__version__)
+    # left alone, mujoco prints its warnings on standard output and into a file in the working directory
+    module.set_mju_user_warning(logging.getLogger(__name__).warning)
     return module
 
 
