@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
@@ -65,33 +65,35 @@ def table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]]) 
 
 @contextmanager
 def progress(text: str, total: int | None = None) -> Iterator[Advance]:
-    """Show on standard error that something takes its time; call the value to advance by one or to change the text."""
+    """Show on standard error that something takes its time, and for how long; the value tells how it goes on."""
     error = Console(stderr=True, highlight=False)
-    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False))
-    counted = (BarColumn(), MofNCompleteColumn()) if total is not None else ()
     # without a terminal there is nothing to animate: say what begins, once
     if not error.is_terminal:
         remark(text)
-        yield Advance(None, 0)
+        yield Advance()
         return
-    with Progress(*columns, *counted, TimeElapsedColumn(), console=error, transient=True) as bar:
-        yield Advance(bar, int(bar.add_task(text, total=total)))
+    counted = (BarColumn(), MofNCompleteColumn()) if total is not None else ()
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), *counted, TimeElapsedColumn())
+    with Progress(*columns, console=error, transient=True) as bar:
+        yield Advance(bar, bar.add_task(text, total=total))
 
 
 class Advance:
-    """Handle on a line of progress."""
+    """Handle on a line of progress: call it to take a step, or to change the text; without a terminal it does nothing."""
 
-    def __init__(self, bar: Progress | None, task: int) -> None:
+    def __init__(self, bar: Progress | None = None, task: TaskID | None = None) -> None:
         self._bar, self._task = bar, task
 
-    def __call__(self, steps: int = 1, text: str | None = None) -> None:
-        if self._bar is not None:
-            from rich.progress import TaskID
+    def __call__(self, steps: int = 0, text: str | None = None) -> None:
+        if self._bar is not None and self._task is not None:
+            self._bar.update(self._task, advance=steps, description=text)
 
-            task = TaskID(self._task)
-            self._bar.advance(task, steps)
-            if text is not None:
-                self._bar.update(task, description=text)
+    def remark(self, text: str) -> None:
+        """A line that stays, above the progress."""
+        if self._bar is not None:
+            self._bar.console.print(Text(text))
+        else:
+            remark(text)
 
 
 def not_yet(what: str) -> InputError:

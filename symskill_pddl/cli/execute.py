@@ -152,8 +152,8 @@ def evaluate(
     with progress(f"{count} episodes", total=count) as advance:
 
         def done(task: str, episode: EpisodeResult) -> None:
-            advance()
-            remark(f"{task} {episode.seed}: {episode.category} ({episode.time_s:.0f} s)")
+            advance(1)
+            advance.remark(f"{task} {episode.seed}: {episode.category} ({episode.time_s:.0f} s)")
 
         results = run_suite(work.open_library, library, suite, checksum=work.checksum(library), jobs=jobs, on_episode=done)
     save_results(output, results)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -21,9 +21,6 @@ from symskill_pddl.cli.options import (
     write_text,
 )
 from symskill_pddl.errors import NoPlanError
-
-if TYPE_CHECKING:
-    from symskill_pddl.symbols import Domain, Problem
 
 NameOption = Annotated[str, typer.Option("--name", help="The domain's name.")]
 
@@ -85,14 +82,14 @@ def plan(
 ) -> None:
     """Solve a problem. Exit status 1, and an explanation, if there is no plan."""
     from symskill_pddl.pddl import write_plan
-    from symskill_pddl.planning import Limits, get
+    from symskill_pddl.planning import Limits, get, why_not
 
     read = work.read_domain_file(domain)
     posed = work.read_problem_file(problem, read)
     engine = get(planner or "auto")
     with progress(f"planning with {engine.name}"):
         result = engine.solve(read, posed, Limits(time_s=timeout))
-    why = () if result.plan is not None else why_not(read, posed)
+    why = () if result.plan is not None else why_not(read, posed, get("auto"))
     if json:
         emit_json(
             {
@@ -118,17 +115,6 @@ def plan(
         say(text.rstrip("\n"))
     count = len(result.plan)
     remark(f"{count} step{'' if count == 1 else 's'} in {result.seconds:.3f} s (planner {result.planner})")
-
-
-def why_not(domain: Domain, problem: Problem) -> tuple[str, ...]:
-    """Which atoms of the goal are in the way, and how much of it can be had."""
-    from symskill_pddl.planning import explain, get, nearest_goal
-
-    lines = list(explain(domain, problem))
-    near = nearest_goal(domain, problem, get("auto"))
-    if near:
-        lines.append(f"can be reached together: {' '.join(str(a) for a in sorted(near))}")
-    return tuple(lines)
 
 
 def check(

@@ -47,7 +47,7 @@ def test_an_unsolvable_goal_exits_with_1_and_says_why(symskill: Callable[..., An
     assert done.status == 1
     assert "unsolvable" in done.error
     assert "no operator adds 'lost'" in done.err
-    assert "can be reached together: (in ball blue)" in done.err
+    assert "the nearest goal that can be reached: (in ball blue)" in done.err
     assert old.read_text() == "precious\n"
     document = json.loads(symskill("plan", domain, problem, "--json").out)
     assert document["steps"] is None
