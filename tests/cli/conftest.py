@@ -81,13 +81,12 @@ def toys(tmp_path: Path) -> tuple[Path, Path]:
 @pytest.fixture(scope="session")
 def lift(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with `lift.hdf5`, imported from a person's recording, and `library`, learned from it. Not to be changed."""
+    from symskill_pddl.cli.work import learn_from
     from symskill_pddl.demos import import_robosuite, save_demos
-    from symskill_pddl.learning import learn
 
     folder = tmp_path_factory.mktemp("lift")
-    demos = import_robosuite(ROBOSUITE / "panda_lift.hdf5")
-    save_demos(folder / "lift.hdf5", demos)
-    learn(demos).save(folder / "library")
+    save_demos(folder / "lift.hdf5", import_robosuite(ROBOSUITE / "panda_lift.hdf5"))
+    learn_from([folder / "lift.hdf5"], folder / "library")
     return folder
 
 
