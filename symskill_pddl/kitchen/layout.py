@@ -28,22 +28,22 @@ FLOOR_Z = -0.92
 COUNTER = Box((0.56, 0.0, -0.02), (0.36, 0.90, 0.02))
 WALL_X = 0.92
 
-CABINET = Box((0.77, -0.11, 0.655), (0.15, 0.19, 0.20))
-"""Outer box of the wall cabinet: front at x = 0.62, its floor 0.47 above the counter."""
+CABINET = Box((0.77, -0.11, 0.705), (0.15, 0.19, 0.25))
+"""Outer box of the wall cabinet: front at x = 0.62, its floor 0.47 above the counter, high enough for a wrist above a steep hand."""
 PANEL = 0.015
 """Thickness of the cabinet's walls."""
-CABINET_INSIDE = Box((-PANEL / 2, 0.0, 0.0), (0.15 - PANEL / 2, 0.19 - PANEL, 0.20 - PANEL))
+CABINET_INSIDE = Box((-PANEL / 2, 0.0, 0.0), (0.15 - PANEL / 2, 0.19 - PANEL, 0.25 - PANEL))
 """The inside, open to the front, in the cabinet's frame (its centre)."""
-SHELF = Box((0.075, 0.0, 0.12), (0.06, 0.175, 0.006))
+SHELF = Box((0.075, 0.0, 0.15), (0.06, 0.175, 0.006))
 """Half-depth shelf at the back, in the cabinet's frame: high enough for a hand to work below it."""
 
-DOOR = Box((-0.159, 0.0, 0.0), (0.009, 0.19, 0.20))
+DOOR = Box((-0.159, 0.0, 0.0), (0.009, 0.19, 0.25))
 """The door's panel when shut, in the cabinet's frame. The frame of the door is the centre of its panel."""
 DOOR_HINGE: Vec3 = (0.009, -0.19, 0.0)
 """A point of the hinge axis (vertical, opens to the right) in the door's frame."""
 DOOR_RANGE = 1.955
 """The door opens 0 to 112 degrees; the joint's angle grows as it opens [rad]."""
-HANDLE: Vec3 = (-0.054, 0.145, -0.07)
+HANDLE: Vec3 = (-0.054, 0.145, -0.12)
 """Centre of the vertical handle bar in the door's frame: 4.5 cm in front of the panel, 4.5 cm from the free edge."""
 HANDLE_RADIUS = 0.007
 HANDLE_LENGTH = 0.12
