@@ -14,10 +14,11 @@ from symskill_pddl.cli.options import SeedOption, make_folder, write_text
 
 if TYPE_CHECKING:
     from symskill_pddl.evaluation.results import EpisodeResult
-    from symskill_pddl.execution.outcome import Outcome
+    from symskill_pddl.execution.outcome import Outcome, StepRecord
+    from symskill_pddl.execution.trace import Trace
 
-DISTURBANCE = "close-door@op=2"
-"""Shut the cabinet when the third step starts: the robot is about to reach into it."""
+DISTURBANCE = "close-door@op={}"
+"""Somebody shuts the cabinet when the step before the middle of the plan starts."""
 
 
 def quickstart(
@@ -32,14 +33,14 @@ def quickstart(
     from symskill_pddl.cli.execute import run_shown
     from symskill_pddl.cli.views import operator_table
     from symskill_pddl.evaluation.trial import prepare
+    from symskill_pddl.execution.trace import read_trace
     from symskill_pddl.kitchen import parse_disturbance, task_named
     from symskill_pddl.pddl import write_plan
     from symskill_pddl.planning import get
 
     begin = monotonic()
-    disturbances = disturb or [DISTURBANCE]
     task_named(task)
-    for spec in disturbances:
+    for spec in disturb or ():
         parse_disturbance(spec)
     files = work.shipped_demos()
     make_folder(output)
@@ -47,7 +48,7 @@ def quickstart(
 
     domain, _ = work.export_domain(library, output, "kitchen", "strips", {})
     with progress(f"setting up {task}, seed {seed}"):
-        episode = prepare(library, task, seed, disturbances=disturbances, domain_name="kitchen")
+        episode = prepare(library, task, seed, domain_name="kitchen")
     header = (f"task {task}, seed {seed}",)
     work.export_problem(episode.problem, episode.domain, output / "problem.pddl", "strips", {}, header)
 
@@ -58,6 +59,9 @@ def quickstart(
     plan = result.unwrap()
     write_text(output / "plan.txt", write_plan(plan))
 
+    disturbances = disturb or [DISTURBANCE.format(max(0, len(plan) // 2 - 1))]
+    # same task, same seed: the same episode, now with something going wrong
+    episode = prepare(library, task, seed, disturbances=disturbances, domain_name="kitchen")
     checksum = work.checksum(output / "library")
     trace, page = output / "trace.jsonl", output / "report.html"
     found, outcome = run_shown(library, episode, seed, engine, monitor=True, trace=trace, checksum=checksum)
@@ -71,19 +75,25 @@ def quickstart(
     for name, args in plan.steps:
         say(f"    ({' '.join((name, *args))})")
     say()
-    say(f"{task}, seed {seed}, with {' and '.join(disturbances)}:")
-    tell_story(found, outcome)
+    say(f"{task}, seed {seed}, with {' and '.join(disturbances)}  (! what was done to the scene, ~ what the robot did about it):")
+    tell_story(read_trace(trace), found, outcome)
     say(f"Every decision: {trace}   To read: {page}")
     remark(f"{monotonic() - begin:.0f} s in all")
     if not found.success:
         raise typer.Exit(1)
 
 
-def tell_story(result: EpisodeResult, outcome: Outcome) -> None:
-    """What was done, what went wrong, and how it ended."""
-    for number, step in enumerate(outcome.steps, start=1):
-        ended = "done" if step.verdict == "EffectsHold" else f"left: {step.reason}"
-        say(f"    {number:2d}. {step.start_s:5.1f} s  {step.step}  {ended}")
+def tell_story(trace: Trace, result: EpisodeResult, outcome: Outcome) -> None:
+    """What was done, what went wrong, how the robot recovered, and how it ended."""
+    lines = [(step.start_s, 1, f"{step.step}  {_ending(step)}") for step in outcome.steps]
+    lines += [(note.time, 2, f"!  {note.text}") for note in trace.of("note")]
+    lines += [(recovery.time, 0, f"~  {recovery.name}: {recovery.reason}") for recovery in trace.of("recovery")]
+    for time, _, text in sorted(lines):
+        say(f"    {time:6.1f} s  {text}")
     ending = "Success" if result.success else f"Failure ({result.category}): {result.reason}"
     again = f" after {result.replans} new plan{'' if result.replans == 1 else 's'}" if result.replans else ""
     say(f"{ending}{again}, {result.time_s:.0f} s on the robot's clock")
+
+
+def _ending(step: StepRecord) -> str:
+    return "done" if step.verdict == "EffectsHold" else f"left after {step.stop_s - step.start_s:.1f} s: {step.reason}"
