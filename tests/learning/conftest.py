@@ -1,6 +1,8 @@
 from dataclasses import dataclass
 
 import pytest
+from synthetic import record
+
 from symskill_pddl.demos import Demo, merged_extents
 from symskill_pddl.learning.learn import _classifiers
 from symskill_pddl.learning.naming import contact_names, place_names
@@ -8,7 +10,6 @@ from symskill_pddl.learning.operators import OperatorGroup, learn_operators
 from symskill_pddl.learning.predicates import Relations, learn_relations
 from symskill_pddl.learning.segments import Episode, segment_all
 from symskill_pddl.learning.transitions import gripper_rule, transitions, truth_of
-from synthetic import record
 
 TASKS = ("OpenSingleDoor", "CloseSingleDoor", "PnPCabToCounter", "PnPCounterToCab")
 

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from symskill_pddl.geometry import Pose, quat_exp, quat_multiply
 from symskill_pddl.learning.articulation import fit_joint
 
@@ -32,11 +33,13 @@ def test_a_hinge_is_found_wherever_the_frame_sits(axis, lever):
 def test_a_slide():
     rng = np.random.default_rng(1)
     way = np.linspace(0, 0.25, 40)
-    joint = fit_joint([noisy(Pose(np.outer(way, [-1.0, 0, 0]) + [0.3, 0.1, 0], np.tile([1.0, 0, 0, 0], (40, 1))), rng)])
+    joint = fit_joint([noisy(Pose(np.outer(way, [-1.0, 0, 0]) + np.array([0.3, 0.1, 0]), np.tile([1.0, 0, 0, 0], (40, 1))), rng)])
     assert joint is not None
     assert joint.kind == "slide"
     assert abs(joint.axis[0]) > 0.999
-    assert np.isclose(abs(float(np.ptp(joint.coordinate(Pose(np.outer([0.0, 0.2], joint.axis), np.tile([1.0, 0, 0, 0], (2, 1))))))), 0.2)
+    assert np.isclose(
+        abs(float(np.ptp(joint.coordinate(Pose(np.outer([0.0, 0.2], joint.axis), np.tile([1.0, 0, 0, 0], (2, 1))))))), 0.2
+    )
 
 
 def test_what_is_carried_is_neither():
@@ -56,6 +59,6 @@ def test_a_single_lift_is_no_slide_and_short_moves_are_nothing():
 
 def test_two_pushes_along_different_lines_are_no_slide():
     one = Pose(np.outer(np.linspace(0, 0.2, 30), [1.0, 0, 0]), np.tile([1.0, 0, 0, 0], (30, 1)))
-    other = Pose(one.p + [0.0, 0.1, 0.0], one.q)
+    other = Pose(one.p + np.array([0.0, 0.1, 0.0]), one.q)
     assert fit_joint([one]) is not None
     assert fit_joint([one, other]) is None

@@ -1,10 +1,13 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
+from synthetic import Recorder, facing, move_food, record, yaw_pose
+
 from symskill_pddl.demos import Demo
 from symskill_pddl.errors import LearningError
 from symskill_pddl.geometry import Pose
 from symskill_pddl.learning.segments import SegmentConfig, intervals, motions, segment, segment_all, speeds
-from synthetic import Recorder, facing, move_food, record, yaw_pose
 
 
 def world(seed=0, **more):
@@ -64,7 +67,9 @@ def test_hysteresis_keeps_a_run_that_dips():
     assert intervals(enter, stay) == [(1, 6)]
 
 
-@pytest.mark.parametrize(("task", "count"), [("OpenSingleDoor", 2), ("CloseSingleDoor", 1), ("PnPCabToCounter", 1), ("PnPCounterToCab", 1)])
+@pytest.mark.parametrize(
+    ("task", "count"), [("OpenSingleDoor", 2), ("CloseSingleDoor", 1), ("PnPCabToCounter", 1), ("PnPCounterToCab", 1)]
+)
 @pytest.mark.parametrize("seed", [0, 1])
 def test_faults_of_people_make_no_episodes(task, count, seed):
     for demo in record(task, 6, seed):
@@ -74,7 +79,7 @@ def test_faults_of_people_make_no_episodes(task, count, seed):
             assert 0 <= e.begin <= e.start < e.stop <= e.leave <= e.end < len(demo)
             assert e.before is not None
             assert e.after is not None
-        assert all(a.end <= b.begin for a, b in zip(episodes, episodes[1:], strict=False))
+        assert all(a.end <= b.begin for a, b in pairwise(episodes))
 
 
 def test_a_pause_in_mid_carry_does_not_split_the_motion():

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from symskill_pddl.geometry import Pose, quat_exp, quat_multiply
 from symskill_pddl.learning.shapes import ShapeConfig, clusters, fit_shape, free_yaw, narrowed
 from symskill_pddl.symbols import Predicate
@@ -55,7 +56,10 @@ def test_a_shape_holds_what_it_is_made_from(n, seed, spread, turn):
 def test_few_observations_give_wider_shapes():
     rng = np.random.default_rng(0)
     poses = Pose(rng.normal(0, 0.002, (20, 3)), np.tile([1.0, 0, 0, 0], (20, 1)))
-    reach = [np.sqrt(fit_shape(poses[:n], n, ShapeConfig()).cov_p[0, 0]) * fit_shape(poses[:n], n, ShapeConfig()).enter_p for n in (1, 5, 20)]
+    reach = [
+        np.sqrt(fit_shape(poses[:n], n, ShapeConfig()).cov_p[0, 0]) * fit_shape(poses[:n], n, ShapeConfig()).enter_p
+        for n in (1, 5, 20)
+    ]
     assert reach[0] > 1.5 * reach[1] > 1.5 * reach[2]
     assert reach[0] < 0.2
 

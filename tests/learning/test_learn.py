@@ -1,0 +1,100 @@
+import random
+
+import numpy as np
+import pytest
+from synthetic import Recorder, facing, record, yaw_pose
+
+from symskill_pddl.demos import Demo
+from symskill_pddl.errors import LearningError
+from symskill_pddl.geometry import Pose
+from symskill_pddl.learning import LearnConfig, learn, learn_reported
+from symskill_pddl.learning.skills import SkillConfig
+from symskill_pddl.skills import FitConfig
+from symskill_pddl.symbols import Atom
+
+FAST = LearnConfig(skills=SkillConfig(fit=FitConfig(max_components=2, max_fields=1, samples=40)))
+"""Coarse fields: what is tested here is not how well they follow."""
+
+
+def files(folder):
+    return {f.relative_to(folder).as_posix(): f.read_bytes() for f in sorted(folder.rglob("*")) if f.is_file()}
+
+
+@pytest.fixture(scope="module")
+def demos():
+    return (*record("PnPCabToCounter", 2), *record("OpenSingleDoor", 1))
+
+
+@pytest.fixture(scope="module")
+def learned(demos):
+    return learn_reported(demos, FAST)
+
+
+def test_the_order_of_the_demonstrations_does_not_matter(demos, learned, tmp_path):
+    shuffled = list(demos)
+    random.Random(4).shuffle(shuffled)
+    learned[0].save(tmp_path / "a")
+    learn(shuffled, FAST).save(tmp_path / "b")
+    assert files(tmp_path / "a") == files(tmp_path / "b")
+
+
+def test_what_comes_out(learned):
+    library, report = learned
+    assert {t.name for t in library.types} == {"cabinet", "counter", "door", "food"}
+    assert library.domain().operator("pick-food-from-cabinet")
+    assert set(library.skills) == {o.skill for o in library.operators}
+    assert {name for name, _ in report.seconds} == {"segments", "predicates", "operators", "skills"}
+    goals = {g.task: g for g in library.goals}
+    assert goals["PnPCabToCounter"].atoms == {Atom("food-on-counter", ("?food", "?counter"))}
+    assert goals["OpenSingleDoor"].atoms == {Atom("door-open", ("?door", "?cabinet"))}
+    assert [p.name for p in goals["PnPCabToCounter"].parameters] == ["?food", "?counter"]
+    assert library.gripper.open_above == pytest.approx(0.06)
+
+
+def test_the_strict_domain_binds_all_its_variables(learned):
+    strict = learned[0].domain(strict=True).operator("pick-food-from-cabinet")
+    assert learned[0].learned("pick-food-from-cabinet").strict_pre == strict.pre
+    assert not strict.absent
+
+
+def test_progress_is_told_by_stage(demos):
+    stages = []
+    learn(demos[:1], FAST, progress=stages.append)
+    assert stages == ["segments", "predicates", "operators", "skills"]
+
+
+def test_a_lift_that_ends_in_the_air_is_a_pick_and_says_so():
+    rng = np.random.default_rng(0)
+    r = Recorder(rng, {"table": ("table", yaw_pose([0.5, 0, -0.02])), "cube": ("cube", yaw_pose([0.5, 0.1, 0.02]))}, faults=False)
+    r.reach(Pose(r.poses["cube"].p, facing(0.0, 1.4)))
+    r.grasp("cube", 0.04)
+    r.go(Pose([0.5, 0.1, 0.2], r.T.q))
+    library, report = learn_reported([r.demo("demo_0", "lift", "Lift")], FAST)
+    assert [o.operator.name for o in library.operators] == ["pick-cube-from-table"]
+    assert any("ends with it in the hand" in note for note in report.notes)
+    assert library.goals == ()
+
+
+def still(name="demo_0"):
+    n = 40
+    T = np.tile([1.0, 0, 0, 0], (n, 1))
+    return Demo(
+        name=name,
+        source="still",
+        task="none",
+        times=np.arange(n) * 0.05,
+        T_world_ee=Pose(np.zeros((n, 3)), T),
+        aperture=np.full(n, 0.08),
+        gripper_closed=np.zeros(n, bool),
+        objects={"box": "box"},
+        T_world_objects=Pose(np.zeros((n, 1, 3)), T[:, None]),
+    )
+
+
+def test_one_clear_line_when_there_is_nothing_to_learn():
+    with pytest.raises(LearningError, match="there are no demonstrations to learn from"):
+        learn([])
+    with pytest.raises(LearningError, match="no object moves in any of the 1 demonstrations"):
+        learn([still()])
+    with pytest.raises(LearningError, match="two demonstrations are called 'still:demo_0'"):
+        learn([still(), still()])

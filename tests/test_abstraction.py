@@ -1,0 +1,166 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from synthetic import record
+
+from symskill_pddl.abstraction import (
+    Classifier,
+    Debounced,
+    GripperRule,
+    abstract,
+    abstract_recording,
+    debounce,
+    groundings,
+    hysteresis,
+    swing,
+)
+from symskill_pddl.errors import InputError
+from symskill_pddl.geometry import Pose, quat_exp, quat_log, quat_multiply
+from symskill_pddl.scene import GRIPPER
+from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Predicate
+
+Z = np.array([0.0, 0.0, 1.0])
+
+
+def classifier(T_mean=None, *, name="at", child="food", parent="table", sigma=0.01, rad=0.1, **more):
+    types = (parent,) if child == GRIPPER else (child, parent)
+    cov_p, cov_r = np.eye(3) * sigma**2, np.eye(3) * rad**2
+    return Classifier(
+        Predicate(name, types), child, parent, Pose.identity() if T_mean is None else T_mean, cov_p, cov_r, 3.0, 3.0, **more
+    )
+
+
+def at(x):
+    return Pose(np.array([x, 0.0, 0.0]), np.array([1.0, 0, 0, 0]))
+
+
+def test_margin_is_one_at_the_mean_and_zero_on_the_boundary():
+    c = classifier()
+    assert c.margin(at(0.0)) == 1.0
+    assert np.isclose(c.margin(at(0.03)), 0.0)
+    assert c.margin(at(0.04)) < 0
+    assert np.allclose(
+        c.margin(Pose(np.zeros((2, 3)), np.stack([quat_exp(np.array([0.3, 0, 0])), quat_exp(np.zeros(3))]))), [0.0, 1.0]
+    )
+
+
+def test_it_is_left_later_than_entered():
+    c = classifier(leave_factor=1.5)
+    assert not c.holds(at(0.04))
+    assert c.holds(at(0.04), before=True)
+    assert not c.holds(at(0.046), before=True)
+
+
+@given(st.integers(0, 10_000))
+def test_the_sign_of_a_quaternion_and_half_turns_do_not_matter(seed):
+    rng = np.random.default_rng(seed)
+    mean = Pose(np.zeros(3), rng.normal(size=4))
+    c = classifier(mean, rad=0.5)
+    T = Pose(rng.normal(0, 0.01, 3), rng.normal(size=4))
+    assert np.isclose(c.margin(T), c.margin(Pose(T.p, -T.q)))
+    near = Pose(np.zeros(3), quat_multiply(mean.q, quat_exp(np.array([1e-3, 0, 0]))))
+    assert c.margin(near) > 0.99
+
+
+@given(st.integers(0, 10_000), st.floats(-3.0, 3.0))
+def test_the_turn_about_a_free_axis_does_not_count(seed, turn):
+    rng = np.random.default_rng(seed)
+    c = classifier(Pose(np.zeros(3), rng.normal(size=4)), free_axis=np.array([0.0, 0.0, 2.0]))
+    tilted = quat_multiply(c.T_mean.q, quat_exp(0.2 * np.array([1.0, 0.0, 0.0])))
+    spun = quat_multiply(tilted, quat_exp(turn * Z))
+    assert np.isclose(c.margin(Pose(np.zeros(3), tilted)), c.margin(Pose(np.zeros(3), spun)), atol=1e-9)
+
+
+def test_swing_of_a_half_turn_about_another_axis_is_itself():
+    q = quat_exp(np.array([np.pi, 0.0, 0.0]))
+    assert np.allclose(np.abs(swing(q, Z)), np.abs(q))
+
+
+@settings(max_examples=50)
+@given(st.integers(0, 10_000), st.floats(0.1, 1.0))
+def test_samples_hold(seed, radius):
+    rng = np.random.default_rng(seed)
+    c = classifier(Pose(rng.normal(size=3), rng.normal(size=4)), rad=0.2)
+    sample = c.sample(rng, radius=radius)
+    assert c.margin(sample) >= 1.0 - radius - 1e-9
+
+
+@pytest.mark.parametrize(
+    ("what", "message"),
+    [
+        ({"sigma": 0.0}, "cov_p has to be a positive definite"),
+        ({"rad": 0.0}, "cov_r has to be"),
+        ({"leave_factor": 0.5}, "leave_factor at least 1"),
+    ],
+)
+def test_shapes_that_are_none(what, message):
+    with pytest.raises(InputError, match=message):
+        classifier(**what)
+
+
+def test_groundings_are_injective_and_typed():
+    objects = {"a": "food", "b": "food", "t": "table"}
+    assert [str(g[0]) for g in groundings(classifier(), objects)] == ["(at a t)", "(at b t)"]
+    assert [str(g[0]) for g in groundings(classifier(parent="food"), objects)] == ["(at a b)", "(at b a)"]
+    assert [str(g[0]) for g in groundings(classifier(child=GRIPPER), objects)] == ["(at t)"]
+
+
+@given(st.lists(st.floats(-1, 1), min_size=1, max_size=40), st.floats(1.0, 2.0))
+def test_hysteresis_is_that_of_the_classifier(margins, factor):
+    state, expected = False, []
+    for m in margins:
+        state = m >= (1.0 - factor if state else 0.0)
+        expected.append(state)
+    assert hysteresis(np.array(margins), factor).tolist() == expected
+
+
+@given(st.lists(st.booleans(), min_size=1, max_size=40), st.integers(1, 4))
+def test_debouncing_a_recording_is_debouncing_moment_by_moment(raw, frames):
+    atom = Atom("p")
+    state = Debounced(frozenset({atom} if raw[0] else ()), frames)
+    expected = [raw[0]]
+    for reading in raw[1:]:
+        state = state.update(frozenset({atom} if reading else ()))
+        expected.append(atom in state.state)
+    assert debounce(np.array(raw), frames).tolist() == expected
+
+
+def test_a_recording_is_abstracted_as_its_scenes_are():
+    (demo,) = record("PnPCabToCounter", 1)
+    T = (
+        demo.pose("counter")[-1].inverse()
+        @ demo.pose("can" if "can" in demo.objects else next(o for o, t in demo.objects.items() if t == "food"))[-1]
+    )
+    classifiers = [
+        classifier(T, name="put", child="food", parent="counter", sigma=0.02, rad=0.3),
+        classifier(
+            demo.pose("door")[0].inverse() @ demo.T_world_ee[0], name="near", child=GRIPPER, parent="door", sigma=0.03, rad=0.3
+        ),
+    ]
+    rule = GripperRule()
+    truth = abstract_recording(
+        demo.objects,
+        demo.T_world_ee,
+        demo.aperture,
+        demo.gripper_closed,
+        demo.T_world_objects,
+        classifiers,
+        gripper=rule,
+        frames=1,
+    )
+    state, seen = frozenset(), set()
+    for i in range(len(demo)):
+        state = abstract(demo.scene(i), classifiers, before=state, gripper=rule)
+        assert state == {atom for atom, value in truth.items() if value[i]}
+        seen |= state
+    assert {a.predicate for a in seen} == {GRIPPER_OPEN, "put", "near"}
+
+
+def test_the_fingers_are_open_when_both_say_so():
+    rule = GripperRule(0.06, 0.05)
+    assert rule.holds(0.07, False)
+    assert not rule.holds(0.07, True)
+    assert not rule.holds(0.055, False)
+    assert rule.holds(0.055, False, before=True)
+    assert np.isclose(float(np.linalg.norm(quat_log(quat_exp(0.1 * Z)))), 0.1)
