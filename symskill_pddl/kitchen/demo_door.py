@@ -21,6 +21,8 @@ from symskill_pddl.kitchen.layout import Vec3
 YAW_AT_SHUT, YAW_WITH_DOOR = np.radians(15.0), 0.6
 BAR_PITCH_DEG = (39.0, 45.0)
 """The hand on the bar: its yaw follows the door by 0.6 of the angle, and it looks down, for the sake of the wrist's limits."""
+INSIDE_PITCH, INSIDE_ROLL = np.radians(35.0), -np.pi / 2
+"""The hand against the inner face: rolled, so that its thin side is towards the door."""
 AJAR_DEG = (49.5, 52.5)
 """Where a door is left between the two contacts."""
 
@@ -37,10 +39,10 @@ class Door:
         T_cabinet_hinge = Pose.from_rotvec(np.array(layout.DOOR.center) + hinge, [0.0, 0.0, angle])
         return self.T_world_cabinet @ T_cabinet_hinge @ offset(-hinge)
 
-    def hand(self, angle: float, p: Vec3, yaw: float, pitch: float, like: Pose, roll: float = 0.0) -> Pose:
+    def hand(self, angle: float, p: Vec3, yaw: float, pitch: float, roll: float = 0.0) -> Pose:
         """A hand at the point `p` of the door's frame, door at `angle`; `yaw` counts from straight into the cabinet."""
         into = float(self.T_world_cabinet.rotvec()[2])
-        return Pose(self.frame(angle).apply(p), facing(into + yaw, pitch, like, roll))
+        return Pose(self.frame(angle).apply(p), facing(into + yaw, pitch, roll))
 
     def angle(self, T_world_door: Pose) -> float:
         """How far a door seen at this pose is open [rad]."""
@@ -55,7 +57,7 @@ def open_door(hand: Hand, door_name: str) -> None:
     bar, pitch = (x, y, z + float(rng.uniform(-0.015, 0.015))), float(np.radians(rng.uniform(*BAR_PITCH_DEG)))
 
     def on_bar(angle: float) -> Pose:
-        return door.hand(angle, bar, YAW_AT_SHUT + YAW_WITH_DOOR * angle, pitch, hand.T)
+        return door.hand(angle, bar, YAW_AT_SHUT + YAW_WITH_DOOR * angle, pitch)
 
     grasp = on_bar(0.0)
     way: list[Pose] = [vary(along(grasp, -0.12), rng, 0.01), grasp]
@@ -75,16 +77,15 @@ def open_door(hand: Hand, door_name: str) -> None:
 def _push_open(hand: Hand, door: Door, ajar: float) -> None:
     rng = hand.rng
     wide = float(np.radians(rng.uniform(92.0, 99.0)))
-    height = float(rng.uniform(-0.08, -0.05))
-    roll = np.pi / 2
+    height = float(rng.uniform(-0.13, -0.10))
 
     def inside(angle: float, reach: float, gap: float) -> Pose:
         """Beside the inner face: `reach` over the free edge (negative: short of it), `gap` off the face."""
         yaw = np.radians(-35.0) + 0.35 * (angle - ajar)
-        return door.hand(angle, (layout.DOOR.half[0] + gap, layout.DOOR.half[1] - reach, height), yaw, 0.0, hand.T, roll)
+        return door.hand(angle, (layout.DOOR.half[0] + gap, layout.DOOR.half[1] - reach, height), yaw, INSIDE_PITCH, INSIDE_ROLL)
 
     round_edge = vary(inside(ajar, -0.13, -0.02), rng, 0.01)
-    hand.go([round_edge, inside(ajar, -0.04, 0.10), inside(ajar, 0.06, 0.08), inside(ajar, 0.06, 0.03)], pause=hand.faults.nudge)
+    hand.go([round_edge, inside(ajar, -0.04, 0.10), inside(ajar, 0.06, 0.08), inside(ajar, 0.06, 0.03)])
     angles = np.linspace(ajar, wide, 6)
     hand.go([inside(float(a), 0.06, 0.01) for a in angles], careful=True)
     hand.go([inside(wide, 0.05, 0.10)])
@@ -95,12 +96,12 @@ def close_door(hand: Hand, door_name: str) -> None:
     rng, faults = hand.rng, hand.faults
     door = Door(hand.scene.pose("cabinet"))
     start = door.angle(hand.scene.pose(door_name))
-    height, pitch = float(rng.uniform(-0.08, -0.04)), float(np.radians(rng.uniform(57.0, 63.0)))
+    height, pitch = float(rng.uniform(-0.13, -0.09)), float(np.radians(rng.uniform(57.0, 63.0)))
 
     def on_edge(angle: float) -> Pose:
         """Fingers on either side of the panel, steep, looking along the door towards its hinge (0.7 of it, for the wrist)."""
         yaw = 0.7 * (angle - np.pi / 2)
-        return door.hand(angle, (0.0, layout.DOOR.half[1] - 0.012, height), yaw, pitch, hand.T)
+        return door.hand(angle, (0.0, layout.DOOR.half[1] - 0.012, height), yaw, pitch)
 
     grasp = on_edge(start)
     way = [vary(Pose(np.array([0.29, -0.06, 0.60]), grasp.q), rng, 0.02), vary(along(grasp, -0.11), rng, 0.01), grasp]
@@ -125,7 +126,7 @@ def _push_shut(hand: Hand, door: Door, door_name: str) -> None:
     bar, pitch = (x, y, z + float(rng.uniform(-0.015, 0.015))), float(np.radians(rng.uniform(*BAR_PITCH_DEG)))
 
     def on_bar(angle: float) -> Pose:
-        return along(door.hand(angle, bar, YAW_AT_SHUT + YAW_WITH_DOOR * angle, pitch, hand.T), 0.025)
+        return along(door.hand(angle, bar, YAW_AT_SHUT + YAW_WITH_DOOR * angle, pitch), 0.025)
 
     ajar = door.angle(hand.scene.pose(door_name))
     hand.go([vary(along(on_bar(ajar), -0.13), rng, 0.01), along(on_bar(ajar), -0.02)])

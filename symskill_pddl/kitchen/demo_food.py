@@ -30,7 +30,7 @@ def to_counter(hand: Hand, food: str) -> None:
     rng = hand.rng
     cabinet = hand.scene.pose("cabinet")
     grasp = _grasp(hand, food)
-    _pick(hand, grasp, [_before(cabinet, grasp, 0.08)])
+    grasp = _pick(hand, food, [_before(cabinet, grasp, 0.08)], grasp)
     up = moved(grasp, [0.0, 0.0, rng.uniform(0.035, 0.055)])
     spot = (*(np.array(ON_COUNTER[0]) + rng.uniform(-1.0, 1.0, 2) * ON_COUNTER[1]), COUNTER_TOP)
     place = _place(hand, grasp, spot, cabinet.p[2] + CABINET_FLOOR)
@@ -42,8 +42,7 @@ def to_cabinet(hand: Hand, food: str) -> None:
     """From the counter into the cabinet."""
     rng = hand.rng
     cabinet = hand.scene.pose("cabinet")
-    grasp = _grasp(hand, food)
-    _pick(hand, grasp, [])
+    grasp = _pick(hand, food, [], _grasp(hand, food))
     up = moved(grasp, [0.0, 0.0, rng.uniform(0.05, 0.08)])
     spot = cabinet.apply((*(np.array(IN_CABINET[0]) + rng.uniform(-1.0, 1.0, 2) * IN_CABINET[1]), CABINET_FLOOR))
     place = _place(hand, grasp, spot, COUNTER_TOP)
@@ -52,14 +51,14 @@ def to_cabinet(hand: Hand, food: str) -> None:
 
 
 def _grasp(hand: Hand, food: str) -> Pose:
-    """A hand about the middle of the food, its fingers across the thin side, of the two yaws that do so the one straighter ahead."""
+    """A hand about the middle of the food, its fingers across the thin side, looking ahead and not back."""
     T = hand.scene.pose(food)
     forward = T.rotate([1.0, 0.0, 0.0])
     yaw = float(np.arctan2(forward[1], forward[0]))
     yaw -= np.pi * np.round(yaw / np.pi)
     pitch = float(np.radians(hand.rng.uniform(*PITCH_DEG)))
     p = T.p + hand.rng.uniform([-0.003, -0.002, -0.002], [0.003, 0.002, 0.003])
-    return Pose(p, facing(yaw, pitch, hand.T))
+    return Pose(p, facing(yaw, pitch))
 
 
 def _before(cabinet: Pose, T_world_ee: Pose, up_m: float) -> Pose:
@@ -70,23 +69,35 @@ def _before(cabinet: Pose, T_world_ee: Pose, up_m: float) -> Pose:
 
 
 def _place(hand: Hand, grasp: Pose, spot: ArrayLike, support_was: float) -> Pose:
-    """The hand that puts the food down over `spot` (3,), a point of the support: as high above it as it was above the last one."""
+    """The hand that puts the food down on `spot` (3,) of a support: as high above it as the hand was above the last one."""
     approach = grasp.rotate([0.0, 0.0, 1.0])
     yaw, pitch = float(np.arctan2(approach[1], approach[0])), float(-np.arcsin(approach[2]))
     height = grasp.p[2] - support_was + 0.002
-    return Pose(np.asarray(spot) + [0.0, 0.0, height], facing(yaw * float(hand.rng.uniform(0.0, 0.5)), pitch, hand.T))
+    return Pose(np.asarray(spot) + np.array([0.0, 0.0, height]), facing(yaw * float(hand.rng.uniform(0.0, 0.5)), pitch))
 
 
-def _pick(hand: Hand, grasp: Pose, via: list[Pose]) -> None:
+def _pick(hand: Hand, food: str, via: list[Pose], grasp: Pose) -> Pose:
+    """Through `via` and along the approach direction onto the food, and close; the pose at which it was grasped at last."""
     rng, faults = hand.rng, hand.faults
     way = [*(vary(T, rng, 0.015) for T in via), along(grasp, -float(rng.uniform(0.09, 0.11))), grasp]
-    hand.go(approach_twice(way, rng) if faults.second_approach else way, pause=faults.pause)
+    if faults.nudge:
+        # one finger knocks against the food: half the opening, less the food's half width, and a little more
+        aside = 0.5 * hand.scene.aperture - layout.FOODS[food][1] + float(rng.uniform(0.004, 0.007))
+        way[-1] = along(grasp, -0.005)
+        hand.go(way, pause=faults.pause)
+        hand.go([grasp @ offset([0.0, float(rng.choice([-1.0, 1.0])) * aside, -0.005])], careful=True)
+        grasp = Pose(hand.scene.pose(food).p, grasp.q)
+        way = [grasp]
+    elif faults.second_approach:
+        way = list(approach_twice(way, rng))
     if faults.poor_grasp:
+        hand.go([*way[:-1], along(grasp, -float(rng.uniform(0.006, 0.012)))], pause=faults.pause)
         hand.fingers(True)
         hand.fingers(False)
-        hand.go([along(hand.T, -0.03)], careful=True)
-        hand.go([grasp], careful=True)
+        way = [along(grasp, -0.03), grasp]
+    hand.go(way, pause=faults.pause and not faults.nudge, careful=faults.nudge or faults.poor_grasp)
     hand.fingers(True)
+    return grasp
 
 
 def _carry(hand: Hand, via: list[Pose], place: Pose) -> None:

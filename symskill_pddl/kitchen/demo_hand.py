@@ -18,15 +18,13 @@ MAX_LINEAR_M_S, MAX_ANGULAR_RAD_S = 0.25, 1.2
 """Limits of what the hand commands, so that a recording stays within what a learned skill may do."""
 
 
-def facing(yaw: float, pitch: float, like: Pose, roll: float = 0.0) -> Array:
+def facing(yaw: float, pitch: float, roll: float = 0.0) -> Array:
     """Orientation (4,) of a hand that looks `pitch` [rad] below the horizontal, turned by `yaw` about the vertical.
 
-    The fingers open level, or turned by `roll` about the approach direction. Two orientations do this, for the hand is symmetric
-    under a half turn: the one nearer to `like` is taken.
+    The fingers open level, or turned by `roll` about the approach direction. The hand is symmetric under a half turn; as with
+    people, it is never turned over without need.
     """
-    T = hand_pose((0.0, 0.0, 0.0), yaw, pitch) @ Pose.from_rotvec(np.zeros(3), [0.0, 0.0, roll])
-    flipped = T @ Pose.from_rotvec(np.zeros(3), [0.0, 0.0, np.pi])
-    return T.q if rotation_distance(T, like) <= rotation_distance(flipped, like) else flipped.q
+    return (hand_pose((0.0, 0.0, 0.0), yaw, pitch) @ Pose.from_rotvec(np.zeros(3), [0.0, 0.0, roll])).q
 
 
 def offset(p: ArrayLike) -> Pose:
