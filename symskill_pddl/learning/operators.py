@@ -102,8 +102,9 @@ def _operator(
     own = lifted.args | {v for atom in add | delete for v in atom.variables}
     positive = set()
     foreign = {name for name in contacts if name != contact}
+    loose = {name for name, p in zip(places, relations.places, strict=True) if p.joint is None}
     for atom in sorted(lifted.pre):
-        reason = _coincidence(atom, own, moved, lifted.parameters, foreign)
+        reason = _coincidence(atom, own, moved, lifted.parameters, foreign, loose)
         if reason:
             notes.append(f"dropped precondition {atom}: {reason}")
         else:
@@ -114,7 +115,7 @@ def _operator(
     during = frozenset(
         atom
         for atom in lifted.during
-        if set(atom.variables) <= kept_variables and not _coincidence(atom, own, moved, lifted.parameters, foreign)
+        if set(atom.variables) <= kept_variables and not _coincidence(atom, own, moved, lifted.parameters, foreign, loose)
     )
     durations = [t.duration_s for t in group]
     operator = Operator(
@@ -183,9 +184,13 @@ def _effects(
 
 
 def _coincidence(
-    atom: Atom, own: frozenset[str], moved: Parameter, parameters: Sequence[Parameter], foreign: set[str]
+    atom: Atom, own: frozenset[str], moved: Parameter, parameters: Sequence[Parameter], foreign: set[str], loose: set[str]
 ) -> str | None:
-    """Why a positive precondition is none, or None if it may be one."""
+    """Why a positive precondition is none, or None if it may be one.
+
+    `foreign` are the other contact predicates, `loose` the places of what moves freely: a door that is open enables something,
+    food that lies about does not.
+    """
     if not atom.args:
         return None
     if not own & set(atom.args):
@@ -193,8 +198,9 @@ def _coincidence(
     if atom.predicate in foreign:
         return "one contact at a time"
     types = {p.name: p.type for p in parameters}
-    if any(v not in own and types.get(v) == moved.type for v in atom.args):
-        return f"another {moved.type} enables nothing"
+    occupant = next((v for v in atom.args[:1] if v not in own), None)
+    if occupant is not None and (types[occupant] == moved.type or atom.predicate in loose):
+        return f"that another {types[occupant]} lies there enables nothing"
     return None
 
 

@@ -44,7 +44,7 @@ class PredicateConfig:
     tilt_m_rad: float = 0.3
     static_gap_m: float = 0.5
     """An object that nobody moved widens a cluster if it rests within this of a member, at its height and tilt."""
-    hinge_gap_rad: float = float(np.radians(12.0))
+    hinge_gap_rad: float = float(np.radians(18.0))
     slide_gap_m: float = 0.04
     contact_gap_m: float = 0.05
     contact_m_rad: float = 0.12

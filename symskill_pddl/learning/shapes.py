@@ -97,17 +97,18 @@ def _radii(residuals: Array, cov: Array) -> Array:
     return np.asarray(np.sqrt(np.einsum("ni,ij,nj->n", residuals, np.linalg.inv(cov), residuals)))
 
 
-def narrowed(shape: Shape, T_outside: Pose, share: float = 0.75) -> Shape:
+def narrowed(shape: Shape, T_outside: Pose, share: float = 0.75, least: float = 2.8) -> Shape:
     """The shape with one radius lowered so that a pose lies outside: the position's or the rotation's, where it differs more.
 
-    The radius becomes `share` times the pose's, but never less than what takes in the shape's own observations.
+    The radius becomes `share` times the pose's, but not less than what takes in the shape's own observations, nor than `least`
+    (95 % of the Gaussian): two ways to hold a thing in the same place may overlap, it is better than to miss either.
     """
     relative = quat_multiply(quat_conjugate(shape.T_mean.q), T_outside.q)
     p = float(_radii((T_outside.p - shape.T_mean.p)[None], shape.cov_p)[0])
     r = float(_radii(quat_log(relative)[None], shape.cov_r)[0])
     if p / shape.enter_p >= r / shape.enter_r:
-        return replace(shape, enter_p=min(shape.enter_p, max(share * p, shape.least_p, 1.0)))
-    return replace(shape, enter_r=min(shape.enter_r, max(share * r, shape.least_r, 1.0)))
+        return replace(shape, enter_p=min(shape.enter_p, max(share * p, shape.least_p, least)))
+    return replace(shape, enter_r=min(shape.enter_r, max(share * r, shape.least_r, least)))
 
 
 def free_yaw(poses: Pose, up_in_child: Array, config: ShapeConfig) -> Array | None:
