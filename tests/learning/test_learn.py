@@ -1,4 +1,5 @@
 import random
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,8 @@ from symskill_pddl.symbols import Atom
 
 FAST = LearnConfig(skills=SkillConfig(fit=FitConfig(max_components=2, max_fields=1, samples=40)))
 """Coarse fields: what is tested here is not how well they follow."""
+
+RECORDINGS = Path(__file__).parents[1] / "data" / "robosuite"
 
 
 def files(folder):
@@ -98,3 +101,19 @@ def test_one_clear_line_when_there_is_nothing_to_learn():
         learn([still()])
     with pytest.raises(LearningError, match="two demonstrations are called 'still:demo_0'"):
         learn([still(), still()])
+
+
+def test_lifts_recorded_by_people():
+    """robosuite's own recordings: approach, grasp and the moved object come out of unlabelled human data."""
+    from symskill_pddl.demos.robosuite_import import import_robosuite
+
+    demos = import_robosuite(RECORDINGS / "panda_lift.hdf5")
+    library, report = learn_reported(demos, FAST)
+    (learned,) = library.operators
+    assert (learned.operator.name, learned.kind, learned.support) == ("pick-cube-from-table", "pick", len(demos))
+    assert learned.operator.add == {Atom("gripper-holds-cube", ("?cube",))}
+    assert Atom("cube-at-table", ("?cube", "?table")) in learned.operator.delete
+    skill = library.skills[learned.skill]
+    assert skill.close_gripper_at_end
+    assert np.linalg.norm(skill.phases[-1].field.T_goal.p) < 0.03
+    assert any("ends with it in the hand" in note for note in report.notes)

@@ -86,7 +86,7 @@ def test_yaw_is_free_where_it_spreads():
 def test_a_rival_is_kept_out_but_no_observation():
     poses = Pose(np.linspace(-0.03, 0.03, 5)[:, None] * [1.0, 0, 0], np.tile([1.0, 0, 0, 0], (5, 1)))
     shape = fit_shape(poses, 5, ShapeConfig())
-    rival = Pose(np.array([0.05, 0.0, 0.0]), np.array([1.0, 0, 0, 0]))
+    rival = Pose(np.array([3.5 * np.sqrt(shape.cov_p[0, 0]), 0.0, 0.0]), np.array([1.0, 0, 0, 0]))
     before, after = (s.classifier(Predicate("p", ("a", "b")), "a", "b") for s in (shape, narrowed(shape, rival)))
     assert before.margin(rival) > 0
     assert after.margin(rival) < 0
