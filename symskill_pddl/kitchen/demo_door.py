@@ -77,7 +77,7 @@ def open_door(hand: Hand, door_name: str) -> None:
 def _push_open(hand: Hand, door: Door, ajar: float) -> None:
     rng = hand.rng
     wide = float(np.radians(rng.uniform(92.0, 99.0)))
-    height = float(rng.uniform(-0.13, -0.10))
+    height = layout.HANDLE[2] + float(rng.uniform(-0.01, 0.02))
 
     def inside(angle: float, reach: float, gap: float) -> Pose:
         """Beside the inner face: `reach` over the free edge (negative: short of it), `gap` off the face."""
@@ -96,7 +96,7 @@ def close_door(hand: Hand, door_name: str) -> None:
     rng, faults = hand.rng, hand.faults
     door = Door(hand.scene.pose("cabinet"))
     start = door.angle(hand.scene.pose(door_name))
-    height, pitch = float(rng.uniform(-0.13, -0.09)), float(np.radians(rng.uniform(57.0, 63.0)))
+    height, pitch = layout.HANDLE[2] + float(rng.uniform(-0.01, 0.03)), float(np.radians(rng.uniform(57.0, 63.0)))
 
     def on_edge(angle: float) -> Pose:
         """Fingers on either side of the panel, steep, looking along the door towards its hinge (0.7 of it, for the wrist)."""
@@ -104,7 +104,7 @@ def close_door(hand: Hand, door_name: str) -> None:
         return door.hand(angle, (0.0, layout.DOOR.half[1] - 0.012, height), yaw, pitch)
 
     grasp = on_edge(start)
-    way = [vary(Pose(np.array([0.29, -0.06, 0.60]), grasp.q), rng, 0.02), vary(along(grasp, -0.11), rng, 0.01), grasp]
+    way = [vary(Pose(np.array([0.29, -0.06, grasp.p[2]]), grasp.q), rng, 0.02), vary(along(grasp, -0.11), rng, 0.01), grasp]
     hand.go(approach_twice(way, rng) if faults.second_approach else way, pause=faults.pause)
     if faults.poor_grasp:
         _grasp_again(hand, grasp)

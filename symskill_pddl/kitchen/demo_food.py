@@ -19,7 +19,7 @@ COUNTER_TOP, CABINET_FLOOR = 0.0, layout.CABINET_INSIDE.center[2] - layout.CABIN
 """Heights of the supports: of the counter in the world, of the floor in the cabinet's frame [m]."""
 ON_COUNTER = ((0.55, 0.10), (0.03, 0.06))
 """Where people put food on the counter: middle and half width in the world [m]."""
-IN_CABINET = ((-0.095, 0.0), (0.015, 0.05))
+IN_CABINET = ((-0.08, -0.005), (0.02, 0.04))
 """Where they put it in the cabinet, in its frame [m]."""
 FRONT = -layout.CABINET.half[0]
 """The plane of the cabinet's opening: x in its frame."""

@@ -34,7 +34,7 @@ COUNTER_SPOT = Box((0.55, 0.11, 0.0), (0.03, 0.07, 0.0))
 """Where the food to be picked from the counter stands (world): a steep hand is clear of the wrist's singularity here."""
 COUNTER_ASIDE = (Box((0.46, -0.25, 0.0), (0.08, 0.04, 0.0)), Box((0.46, -0.42, 0.0), (0.08, 0.04, 0.0)))
 """Where the other foods stand (world), out of the way."""
-CABINET_SPOT = Box((-0.06, -0.005, 0.0), (0.03, 0.04, 0.0))
+CABINET_SPOT = Box((-0.08, -0.005, 0.0), (0.025, 0.04, 0.0))
 """Where a food stands in the cabinet, in the cabinet's frame: near the front, where the same steep hand fits in."""
 HAND_START = Box((0.42, 0.0, 0.32), (0.03, 0.05, 0.04))
 
