@@ -54,7 +54,7 @@ class SegmentConfig:
     """The hand has let go of an object once it is this far from where it was on it."""
     hand_rest_m_s: float = 0.015
     hand_rest_rad_s: float = 0.10
-    hand_rest_s: float = 0.3
+    hand_rest_s: float = 0.5
     """A retreat ends where the hand is this slow for this long."""
     max_retreat_s: float = 4.0
     rest_window_s: float = 2.0
