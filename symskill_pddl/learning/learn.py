@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import hashlib
+import multiprocessing
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from symskill_pddl.abstraction import Classifier
 from symskill_pddl.demos import Demo, merged_extents
@@ -44,7 +49,9 @@ class LearnReport:
     seconds: tuple[tuple[str, float], ...]
 
 
-def learn(demos: Sequence[Demo], config: LearnConfig | None = None, *, progress: Callable[[str], None] | None = None) -> Library:
+def learn(
+    demos: Sequence[Demo], config: LearnConfig | None = None, *, jobs: int = 1, progress: Callable[[str], None] | None = None
+) -> Library:
     """Learn predicates, operators, skills and goals from demonstrations.
 
     Parameters
@@ -52,6 +59,8 @@ def learn(demos: Sequence[Demo], config: LearnConfig | None = None, *, progress:
     demos : sequence of Demo
         In any order: the same set gives the same library, byte by byte.
     config : LearnConfig, optional
+    jobs : int
+        Processes that fit skills side by side, where the system can fork; the result does not depend on it.
     progress : callable, optional
         Called with the name of each stage as it begins.
 
@@ -60,11 +69,11 @@ def learn(demos: Sequence[Demo], config: LearnConfig | None = None, *, progress:
     LearningError
         If there are no demonstrations, nothing moves, no operator comes out, or a skill cannot be fitted.
     """
-    return learn_reported(demos, config, progress=progress)[0]
+    return learn_reported(demos, config, jobs=jobs, progress=progress)[0]
 
 
 def learn_reported(
-    demos: Sequence[Demo], config: LearnConfig | None = None, *, progress: Callable[[str], None] | None = None
+    demos: Sequence[Demo], config: LearnConfig | None = None, *, jobs: int = 1, progress: Callable[[str], None] | None = None
 ) -> tuple[Library, LearnReport]:
     """`learn`, with the report of what was left out."""
     config = config or LearnConfig()
@@ -89,7 +98,7 @@ def learn_reported(
             f"no operator comes out of {len(demos)} demonstrations with {len(episodes)} motions; first reason: {notes[0]}"
         )
     clock.stage("skills")
-    learned, skills = _skills(groups, config.skills)
+    learned, skills = _skills(groups, config.skills, jobs)
     goals = learn_goals(demos, episodes, truths, places)
     clock.stage("")
     types = tuple(Type(name) for name in sorted({t for demo in demos for t in demo.objects.values()}))
@@ -97,16 +106,33 @@ def learn_reported(
     return library, LearnReport(episodes, notes, tuple(clock.spent))
 
 
-def _skills(groups: Sequence[OperatorGroup], config: SkillConfig) -> tuple[tuple[LearnedOperator, ...], dict[str, Skill]]:
+def _skills(
+    groups: Sequence[OperatorGroup], config: SkillConfig, jobs: int
+) -> tuple[tuple[LearnedOperator, ...], dict[str, Skill]]:
     learned, skills = [], {}
-    for group in groups:
-        skill, notes = learn_skill(group, config)
+    for group, (skill, notes) in zip(groups, _fitted(groups, config, jobs), strict=True):
         old = group.learned
         skills[old.skill] = skill
         learned.append(
             LearnedOperator(old.operator, old.strict_pre, old.skill, old.kind, old.evidence, old.duration_s, (*old.notes, *notes))
         )
     return tuple(learned), skills
+
+
+def _fitted(groups: Sequence[OperatorGroup], config: SkillConfig, jobs: int) -> Iterator[tuple[Skill, tuple[str, ...]]]:
+    if jobs <= 1 or len(groups) == 1 or "fork" not in multiprocessing.get_all_start_methods():
+        for group in groups:
+            yield learn_skill(group, config)
+        return
+    with ProcessPoolExecutor(min(jobs, len(groups)), multiprocessing.get_context("fork")) as pool:
+        for arrays, notes in pool.map(partial(_fit_arrays, config=config), groups):
+            yield Skill.from_arrays(arrays), notes
+
+
+def _fit_arrays(group: OperatorGroup, config: SkillConfig) -> tuple[dict[str, NDArray[Any]], tuple[str, ...]]:
+    """As plain arrays, from which the parent makes read-only ones again."""
+    skill, notes = learn_skill(group, config)
+    return skill.arrays(), notes
 
 
 def _classifiers(relations: Relations, places: Sequence[str], contacts: Sequence[str]) -> tuple[Classifier, ...]:

@@ -98,13 +98,21 @@ def _operator(
     lifted = lift(group)
     moved = lifted.parameters[0]
     contact = contacts[group[0].label.contact]
+    label = group[0].label
+    goal = Atom(contact, (moved.name,))
+    if group[0].moves and label.end is not None:
+        goal = Atom(places[label.end], tuple(p.name for p in lifted.parameters[:2]))
     add, delete = _effects(lifted, group, contact, contacts, notes)
+    if goal not in add:
+        # it holds after every transition, but held before some: the hand began near by, or two ways to touch a thing overlap
+        add |= {goal}
+        notes.append(f"added effect: {goal}, which held before the beginning too in some demonstrations")
     own = lifted.args | {v for atom in add | delete for v in atom.variables}
     positive = set()
     foreign = {name for name in contacts if name != contact}
     loose = {name for name, p in zip(places, relations.places, strict=True) if p.joint is None}
     for atom in sorted(lifted.pre):
-        reason = _coincidence(atom, own, moved, lifted.parameters, foreign, loose)
+        reason = "it is the effect" if atom == goal else _coincidence(atom, own, moved, lifted.parameters, foreign, loose)
         if reason:
             notes.append(f"dropped precondition {atom}: {reason}")
         else:

@@ -32,7 +32,7 @@ class PredicateConfig:
     """Rest poses of what is hinged or slides."""
     contact_shape: ShapeConfig = field(
         default_factory=lambda: ShapeConfig(
-            floor_m=0.006, floor_rad=float(np.radians(4.0)), prior_m=0.01, prior_rad=float(np.radians(8.0))
+            floor_m=0.006, floor_rad=float(np.radians(4.0)), prior_m=0.006, prior_rad=float(np.radians(5.0))
         )
     )
     ratio: float = 2.5
@@ -290,11 +290,17 @@ def _labelled(
         return of_rest.get(id(r), (None, None)) if r is not None else (None, None)
 
     groups: dict[tuple[object, ...], list[tuple[Episode, int | None, str | None, int | None, str | None]]] = defaultdict(list)
-    for e in episodes:
+    undone: Episode | None = None  # the episode before, if it led nowhere: the approach to the next one begins where it stopped
+    for found in episodes:
+        e = found
+        if undone is not None and undone.demo is e.demo:
+            e = replace(e, begin=min(e.begin, max(undone.stop, undone.begin)))
+        undone = None
         (start, start_ref), (end, end_ref) = at(e.before), at(e.after)
         if end is None and end_ref is not None:
             notes.append(f"{e}: ends where nothing else rests; left out")
         elif start is not None and (start, start_ref) == (end, end_ref):
+            undone = e
             notes.append(f"{e}: leads back to where it began (a retry or a nudge); left out")
         else:
             way = (start if start is not None else -1, end if end is not None else -1) if jointed[e.type] else ()
@@ -311,9 +317,9 @@ def _labelled(
                 continue
             kept += [Label(e, len(contacts), start, start_ref, end, end_ref) for e, start, start_ref, end, end_ref in own]
             contacts.append(_contact_of([m[0] for m in own], jointed, config))
-    contacts = [_apart(c, [d for d in contacts if d is not c and d.type == c.type]) for c in contacts]
-    place_in_time = {id(e): i for i, e in enumerate(episodes)}
-    return tuple(sorted(kept, key=lambda label: place_in_time[id(label.episode)])), tuple(contacts)
+    contacts = [_apart(k, contacts, kept) for k in range(len(contacts))]
+    order = {e.demo.where: i for i, e in reversed(list(enumerate(episodes)))}
+    return tuple(sorted(kept, key=lambda label: (order[label.episode.demo.where], label.episode.start))), tuple(contacts)
 
 
 def _closed(e: Episode) -> bool:
@@ -352,11 +358,20 @@ def _contact_of(episodes: Sequence[Episode], jointed: Mapping[str, bool], config
     )
 
 
-def _apart(contact: Contact, rivals: Sequence[Contact]) -> Contact:
-    """Narrowed so that the middle of another way to act on the same type lies outside, as far as its own observations allow."""
+def _apart(index: int, contacts: Sequence[Contact], labels: Sequence[Label]) -> Contact:
+    """A contact, narrowed as far as its own observations allow, so that what is no such contact lies outside.
+
+    That is the middle of every other way to act on the same type, and where the hand was when it set out for this one.
+    """
+    contact = contacts[index]
     shape = contact.shape
-    for rival in rivals:
-        shape = narrowed(shape, rival.shape.T_mean)
+    for rival in contacts:
+        if rival is not contact and rival.type == contact.type:
+            shape = narrowed(shape, rival.shape.T_mean)
+    for label in labels:
+        if label.contact == index:
+            e = label.episode
+            shape = narrowed(shape, e.demo.pose(e.obj)[e.begin].inverse() @ e.demo.T_world_ee[e.begin])
     return replace(contact, shape=shape)
 
 

@@ -37,7 +37,7 @@ def test_the_order_of_the_demonstrations_does_not_matter(demos, learned, tmp_pat
     shuffled = list(demos)
     random.Random(4).shuffle(shuffled)
     learned[0].save(tmp_path / "a")
-    learn(shuffled, FAST).save(tmp_path / "b")
+    learn(shuffled, FAST, jobs=2).save(tmp_path / "b")
     assert files(tmp_path / "a") == files(tmp_path / "b")
 
 
