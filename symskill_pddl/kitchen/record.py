@@ -71,12 +71,17 @@ def demo_of(
         name=name,
         source="kitchen",
         task=task,
-        times=np.array([scene.time for scene in scenes]) - scenes[0].time,
-        T_world_ee=Pose.stack([scene.T_world_ee for scene in scenes]),
-        aperture=np.array([scene.aperture for scene in scenes]),
+        times=np.round([scene.time - scenes[0].time for scene in scenes], 6),
+        T_world_ee=_rounded(Pose.stack([scene.T_world_ee for scene in scenes])),
+        aperture=np.round([scene.aperture for scene in scenes], 6),
         gripper_closed=np.array([scene.gripper_closed for scene in scenes]),
         objects=objects,
-        T_world_objects=Pose.stack([scene.T_world_objects for scene in scenes]),
+        T_world_objects=_rounded(Pose.stack([scene.T_world_objects for scene in scenes])),
         extents={t: half for t, half in extents.items() if t in objects.values()},
         attributes=dict(attributes),
     )
+
+
+def _rounded(T: Pose) -> Pose:
+    """To micrometres: far below what any sensor sees, and what stands still then compresses to nothing."""
+    return Pose(np.round(T.p, 6), np.round(T.q, 6))

@@ -1,6 +1,6 @@
 """The demonstrator does every atomic task, as people do: it starts and ends at rest near its start, and errs without failing."""
 
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ from symskill_pddl.kitchen.record import record
 pytestmark = pytest.mark.simulation
 
 
-@lru_cache(maxsize=None)
+@cache
 def shown(task: str) -> Demo:
     return record(task, 1, 3)[0]
 
