@@ -52,6 +52,7 @@ def load_robosuite() -> ModuleType:
         It, or a system library it needs, is missing.
     """
     load_mujoco()
+    wanted = os.environ["MUJOCO_GL"]
     previous = logging.root.manager.disable
     logging.disable(logging.WARNING)
     try:
@@ -60,6 +61,8 @@ def load_robosuite() -> ModuleType:
         raise missing(error) from error
     finally:
         logging.disable(previous)
+        # robosuite sets it to 'egl', which stops mujoco from starting in child processes on machines without libEGL
+        os.environ["MUJOCO_GL"] = wanted
 
 
 def missing(error: ImportError) -> MissingDependencyError:

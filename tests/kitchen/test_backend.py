@@ -1,3 +1,4 @@
+import os
 import subprocess
 import sys
 
@@ -39,3 +40,10 @@ def test_starting_robosuite_is_silent():
     code = "from symskill_pddl.kitchen.backend import load_robosuite; load_robosuite()"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("", "")
+
+
+def test_child_processes_are_not_told_to_look_for_a_display():
+    code = "import os; from symskill_pddl.kitchen.backend import load_robosuite; load_robosuite(); print(os.environ['MUJOCO_GL'])"
+    environment = {name: value for name, value in os.environ.items() if name != "MUJOCO_GL"}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
+    assert done.stdout == "disabled\n"
