@@ -21,3 +21,18 @@ cabinet-to-counter PnPCabToCounter 0
 counter-to-cabinet PnPCounterToCab 0
 store-cheese StoreCheese 0
 EOF
+
+# the README shows the domain's pick from the cabinet
+"$(dirname "$symskill")/python" - "$root/README.md" "$to" <<'EOF'
+import re
+import sys
+from pathlib import Path
+
+readme, to = Path(sys.argv[1]), Path(sys.argv[2])
+domain = (to / "domains" / "kitchen" / "domain.pddl").read_text()
+block = next(b for b in domain.split("\n\n") if "(:action pick-food-from-cabinet" in b)
+predicate = re.search(r"(?:    ;.*\n)+    \(food-in-cabinet .*\n", domain)
+example = "\n".join(line[2:] for line in f"{predicate[0] if predicate else ''}\n{block}".splitlines()).rstrip()
+text = re.sub(r"(?s)```pddl\n.*?```", lambda _: f"```pddl\n{example}\n```", readme.read_text(), count=1)
+(to / "README.md").write_text(text)
+EOF

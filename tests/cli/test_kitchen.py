@@ -36,6 +36,7 @@ def test_the_examples_in_the_repository_are_what_the_commands_make(tmp_path: Pat
         assert made == sorted(p.name for p in (ROOT / folder).iterdir())
         _, different, missing = filecmp.cmpfiles(tmp_path / folder, ROOT / folder, made, shallow=False)
         assert (different, missing) == ([], [])
+    assert (tmp_path / "README.md").read_text() == (ROOT / "README.md").read_text()
 
 
 @pytest.mark.parametrize("problem", sorted((ROOT / "problems" / "kitchen").glob("*.pddl")), ids=lambda p: p.stem)

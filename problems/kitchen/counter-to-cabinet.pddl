@@ -1,0 +1,21 @@
+; task PnPCounterToCab, seed 0
+(define (problem pnpcountertocab-0)
+  (:domain kitchen)
+  (:objects
+    cabinet-1 - cabinet
+    door-1 - door
+    counter-1 - counter
+    cheese - food
+    bread - food
+    can - food
+  )
+  (:init
+    (door-open door-1 cabinet-1)
+    (food-on-counter bread counter-1)
+    (food-on-counter can counter-1)
+    (food-on-counter cheese counter-1)
+    (gripper-open)
+  )
+  (:goal (and
+    (food-in-cabinet can cabinet-1)))
+)
