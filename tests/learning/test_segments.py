@@ -152,3 +152,24 @@ def test_nothing_moves():
     T = Pose(np.zeros((40, 3)), np.tile([1.0, 0, 0, 0], (40, 1)))
     with pytest.raises(LearningError, match="no object moves in any of the 1 demonstrations"):
         segment_all([demo_of(T, T)])
+
+
+def test_a_slow_end_in_the_hand_belongs_to_the_motion():
+    r = world(door=("door", yaw_pose([0.6, -0.2, 0.4])))
+    r.go(Pose([0.5, -0.2, 0.4], facing(0.0, 0.0)))
+    hold = r.poses["door"].inverse() @ r.T
+
+    def turn(rate, seconds):
+        for _ in range(round(seconds / 0.05)):
+            r.poses["door"] = r.poses["door"] @ yaw_pose([0, 0, 0], rate * 0.05)
+            r._tick(r.poses["door"] @ hold)
+
+    turn(0.3, 2.0)
+    turn(0.025, 5.0)  # below the thresholds, but 7 degrees all the same
+    end = len(r.rows)
+    r.rest(1.0)
+    r.back_off(0.2)
+    r.rest(1.0)
+    (episode,) = segment(r.demo("demo_0", "s", "t", extents=False))
+    assert end - 35 < episode.stop <= end + 5  # it counts until 2 degrees are left
+    assert episode.stop > episode.start + 80
