@@ -7,7 +7,8 @@ child frame in a parent frame. The same Gaussians sample relative poses for reco
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -54,6 +55,8 @@ class Classifier:
     enter_r: float
     leave_factor: float = 1.5
     free_axis: Array | None = None
+    _inverse_p: Array = field(init=False, repr=False)
+    _inverse_r: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("cov_p", "cov_r"):
@@ -61,7 +64,7 @@ class Classifier:
             if cov.shape != (3, 3) or not np.all(np.linalg.eigvalsh(cov) > 0):
                 raise InputError(f"predicate '{self.predicate.name}': {name} has to be a positive definite (3, 3) matrix")
             object.__setattr__(self, name, cov)
-            object.__setattr__(self, f"_{name}_inv", frozen(np.linalg.inv(cov)))
+            object.__setattr__(self, name.replace("cov", "_inverse"), frozen(np.linalg.inv(cov)))
         if not (self.enter_p > 0 and self.enter_r > 0 and self.leave_factor >= 1):
             raise InputError(f"predicate '{self.predicate.name}': radii must be positive and leave_factor at least 1")
         if self.free_axis is not None:
@@ -78,8 +81,8 @@ class Classifier:
     def margin(self, T_parent_child: Pose) -> Array:
         """Signed margin (...): 1 at the mean, 0 on the boundary of entering, negative outside."""
         dp, dr = self.residual(T_parent_child)
-        p = _mahalanobis(dp, self._cov_p_inv) / self.enter_p  # type: ignore[attr-defined]
-        r = _mahalanobis(dr, self._cov_r_inv) / self.enter_r  # type: ignore[attr-defined]
+        p = _mahalanobis(dp, self._inverse_p) / self.enter_p
+        r = _mahalanobis(dr, self._inverse_r) / self.enter_r
         return np.asarray(1.0 - np.maximum(p, r))
 
     def holds(self, T_parent_child: Pose, *, before: bool = False) -> bool:
@@ -150,12 +153,39 @@ def abstract(
     open_atom = Atom(GRIPPER_OPEN)
     if (gripper or GripperRule()).holds(scene.aperture, scene.gripper_closed, before=open_atom in before):
         state.add(open_atom)
-    for classifier in classifiers:
-        for atom, parent, child in groundings(classifier, scene.objects):
-            T_parent_child = scene.pose(parent).inverse() @ scene.pose(child)
-            if classifier.holds(T_parent_child, before=atom in before):
+    # all relative poses in one batch: this is on the path of every control tick
+    parents, children, groups = _table(tuple(classifiers), tuple(scene.objects.items()))
+    if not groups:
+        return frozenset(state)
+    objects, hand = scene.T_world_objects, scene.T_world_ee
+    T_world = Pose(np.concatenate([objects.p, hand.p[None]]), np.concatenate([objects.q, hand.q[None]]))
+    T_parent_child = T_world[parents].inverse() @ T_world[children]
+    for classifier, atoms, rows in groups:
+        for atom, margin in zip(atoms, classifier.margin(T_parent_child[rows]).tolist(), strict=True):
+            if margin >= (1.0 - classifier.leave_factor if atom in before else 0.0):
                 state.add(atom)
     return frozenset(state)
+
+
+Groups = tuple[tuple[Classifier, tuple[Atom, ...], slice], ...]
+
+
+@lru_cache(maxsize=16)
+def _table(
+    classifiers: tuple[Classifier, ...], objects: tuple[tuple[str, str], ...]
+) -> tuple[NDArray[np.intp], NDArray[np.intp], Groups]:
+    """Rows of the parent and the child frame of every grounding (the hand comes last), and what rows belong to a classifier."""
+    row = {name: i for i, (name, _) in enumerate(objects)} | {GRIPPER: len(objects)}
+    parents: list[int] = []
+    children: list[int] = []
+    groups = []
+    for classifier in classifiers:
+        found = tuple(groundings(classifier, dict(objects)))
+        if found:
+            groups.append((classifier, tuple(atom for atom, _, _ in found), slice(len(parents), len(parents) + len(found))))
+            parents += [row[parent] for _, parent, _ in found]
+            children += [row[child] for _, _, child in found]
+    return np.array(parents, dtype=np.intp), np.array(children, dtype=np.intp), tuple(groups)
 
 
 def hysteresis(margin: Array, leave_factor: float) -> BoolArray:

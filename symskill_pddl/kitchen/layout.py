@@ -29,7 +29,7 @@ COUNTER = Box((0.56, 0.0, -0.02), (0.36, 0.90, 0.02))
 WALL_X = 0.92
 
 CABINET = Box((0.77, -0.11, 0.705), (0.15, 0.19, 0.25))
-"""Outer box of the wall cabinet: front at x = 0.62, its floor 0.47 above the counter, high enough for a wrist above a steep hand."""
+"""Outer box of the wall cabinet: front at x = 0.62, floor 0.47 above the counter, high enough for a wrist above a steep hand."""
 PANEL = 0.015
 """Thickness of the cabinet's walls."""
 CABINET_INSIDE = Box((-PANEL / 2, 0.0, 0.0), (0.15 - PANEL / 2, 0.19 - PANEL, 0.25 - PANEL))
