@@ -158,7 +158,15 @@ def covered_egg() -> Problem:
     return Problem(
         "egg",
         "kitchen",
-        (("egg", "food"), ("lid-a", "lid"), ("lid-b", "lid"), ("pan-a", "pan"), ("pan-b", "pan"), ("pan-c", "pan"), ("pan-d", "pan")),
+        (
+            ("egg", "food"),
+            ("lid-a", "lid"),
+            ("lid-b", "lid"),
+            ("pan-a", "pan"),
+            ("pan-b", "pan"),
+            ("pan-c", "pan"),
+            ("pan-d", "pan"),
+        ),
         atoms("food-in-pan egg pan-a, lid-on-pan lid-a pan-a, lid-on-pan lid-b pan-b, gripper-open"),
         atoms("food-in-pan egg pan-b, lid-on-pan lid-b pan-b"),
     )

@@ -83,8 +83,8 @@ def test_counter_judge(p, success):
 
 @pytest.mark.simulation
 @pytest.mark.parametrize(("offset", "success"), [
-    ((-0.05, 0.0, -0.16), True), ((-0.05, 0.10, -0.16), True), ((-0.05, 0.0, 0.0), False), ((-0.20, 0.0, -0.16), False),
-    ((-0.05, 0.25, -0.16), False),
+    ((-0.05, 0.0, -0.21), True), ((-0.05, 0.10, -0.21), True), ((-0.05, 0.0, 0.0), False), ((-0.20, 0.0, -0.21), False),
+    ((-0.05, 0.25, -0.21), False),
 ])  # fmt: skip
 def test_cabinet_judge(offset, success):
     kitchen = make("PnPCounterToCab", 0)

@@ -80,14 +80,14 @@ def _step(name: str, *args: str) -> GroundStep:
 def _start(time: float, index: int, step: GroundStep, verdict: VerdictLine, attempt: int = 0) -> StepLine:
     return StepLine(
         time=time, index=index, step=step, later=(), gripper=(), state=(("gripper-open",),), inherited=(), assumed=(), phases=1,
-        exit_s=1, budget_s=10, grace_s=1, stall_s=1, still_speed=0.01, still_turn=0.1, attempt=attempt,
+        exit_s=1, budget_s=10, grace_s=1, stall_s=1, blocked_s=2, still_speed=0.01, still_turn=0.1, attempt=attempt,
         shift=(0, 0, 0, 1, 0, 0, 0) if attempt else None, verdict=verdict,
     )  # fmt: skip
 
 
 def _tick(time: float, verdict: VerdictLine, added: tuple = (), removed: tuple = ()) -> TickLine:
     return TickLine(
-        time=time, stage=0, stage_s=0, settling=False, closing=False, speed=0.1, turn=0.1, added=added, removed=removed,
+        time=time, stage=0, stage_s=0, settling=False, closing=False, speed=0.1, turn=0.1, rest_s=0, added=added, removed=removed,
         verdict=verdict, ms={"abstract": 0.2 + time / 100, "skill": 0.4},
     )  # fmt: skip
 
