@@ -55,7 +55,12 @@ def problem(
     learned = work.open_library(library)
     with progress(f"setting up {task}, seed {seed}"):
         episode = prepare(learned, task, seed, goal=goal, domain_name=name)
-    header = (f"task {task}, seed {seed}",)
+    header = [f"task {task}, seed {seed}"]
+    for assumption in episode.assumed:
+        thing = assumption.atom.args[0]
+        told = f"assumed {assumption.atom}: {thing} is in no known relation, this is the nearest (margin {assumption.margin:.2f})"
+        header.append(told)
+        remark(told)
     work.export_problem(episode.problem, episode.domain, output, dialect, work.renames(names), header)
     remark(f"{output}: {len(episode.problem.objects)} objects, goal {' '.join(str(a) for a in sorted(episode.problem.goal))}")
 

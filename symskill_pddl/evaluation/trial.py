@@ -14,6 +14,7 @@ from symskill_pddl.evaluation.results import EpisodeResult
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.executor import execute
 from symskill_pddl.execution.outcome import Category, Outcome
+from symskill_pddl.execution.recovery import Assumption, nearest_symbols
 from symskill_pddl.execution.trace import Header, NoteLine, TraceWriter
 from symskill_pddl.kitchen import make, task_named
 from symskill_pddl.kitchen.world import Kitchen
@@ -36,7 +37,10 @@ class Episode:
     domain : Domain
         The library's, under the library's own names.
     problem : Problem
-        Objects of the types that the library knows, the atoms of the first scene, and the goal.
+        Objects of the types that the library knows, the atoms of the first scene and the assumed ones, and the goal.
+    assumed : tuple of Assumption
+        Atoms that stand in for objects in no known relation: the nearest one each (a door between its known places). The
+        executor makes its own assumptions from what it sees then.
     judged : bool
         Whether the task's judge can say if this goal was reached; not so for a goal that the caller stated.
     """
@@ -45,6 +49,7 @@ class Episode:
     domain: Domain
     problem: Problem
     judged: bool
+    assumed: tuple[Assumption, ...] = ()
 
 
 def prepare(
@@ -81,8 +86,12 @@ def prepare(
         atoms = goal_atoms(library, spec.goal_of or (task,), objects, kitchen.focus)
     else:
         atoms = stated_goal(goal, domain, objects)
+    nearest = nearest_symbols(scene, init, library.classifiers, objects).values()
+    # what is only assumed may not fulfil the goal
+    assumed = tuple(best for options in nearest if (best := next((a for a in options if a.atom not in atoms), None)) is not None)
+    init |= {a.atom for a in assumed}
     problem = Problem(f"{task}-{seed}".lower(), domain.name, tuple(objects.items()), init, atoms)
-    return Episode(kitchen, domain, problem, goal is None)
+    return Episode(kitchen, domain, problem, goal is None, assumed)
 
 
 def stated_goal(text: str, domain: Domain, objects: dict[str, str]) -> State:
