@@ -11,7 +11,7 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, frozen
 from symskill_pddl.skills.config import FitConfig
 from symskill_pddl.skills.mixture import Mixture, fit_mixture
-from symskill_pddl.skills.stability import Certificate, certify, fit_matrices, fit_metric
+from symskill_pddl.skills.stability import Certificate, certify
 from symskill_pddl.skills.trajectory import Path
 
 
@@ -95,6 +95,8 @@ def fit_lpv(
     if not paths:
         lpv = attraction(config.gain_hz, least_pace)
         return lpv, certify(lpv.matrices, np.eye(3), config.period_s)
+    from symskill_pddl.skills.convex import fit_matrices, fit_metric  # CVXPY is slow to import, and only fitting needs it
+
     x = np.concatenate([path.points for path in paths])
     extent = float(np.sqrt((x * x).sum(1).mean()))
     x = x / extent

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,7 +53,7 @@ class Mixture:
 
 
 def fit_mixture(x: Array, progress: Array, size: int, floor: float, iterations: int = 30) -> Mixture:
-    """Expectation maximisation from slices of the path.
+    """Expectation maximisation (scikit-learn's) from slices of the path.
 
     The components start as `size` equal slices of the progress along the demonstrations, so no random start is needed, and the
     result does not depend on a seed.
@@ -63,30 +64,41 @@ def fit_mixture(x: Array, progress: Array, size: int, floor: float, iterations: 
         Samples.
     progress : (n,)
         Fraction of its way that each sample has behind it, in [0, 1].
+    size : int
+        Number of components K; no more than there are samples are fitted.
     floor : float
         Standard deviation added to every direction, in the unit of x.
     """
+    size = min(size, len(x))
     if size == 1:
         return Mixture.single()
+    from sklearn.exceptions import ConvergenceWarning  # slow to import, and only fitting needs it
+    from sklearn.mixture import GaussianMixture
+
     slices = np.minimum((progress * size).astype(int), size - 1)
-    weights = np.eye(size)[slices]  # (n, K)
-    mixture = _maximise(x, weights, floor)
-    for _ in range(iterations):
-        new = mixture.weights(x)
-        change = np.abs(new - weights).max()
-        weights = new
-        mixture = _maximise(x, weights, floor)
-        if change < 1e-3:
-            break
-    return mixture
-
-
-def _maximise(x: Array, weights: Array, floor: float) -> Mixture:
-    count = weights.sum(0) + 1e-6  # (K,)
-    mean = weights.T @ x / count[:, None]  # (K, 3)
-    centred = x[:, None, :] - mean  # (n, K, 3)
-    scatter = (weights[:, :, None] * centred).transpose(1, 2, 0) @ centred.transpose(1, 0, 2)
-    covariance = scatter / count[:, None, None] + floor**2 * np.eye(3)
-    W = np.linalg.inv(np.linalg.cholesky(covariance))  # (K, 3, 3)
+    share, mean, covariance = _moments(x, np.eye(size)[slices], floor)
+    model = GaussianMixture(
+        size,
+        reg_covar=floor**2,
+        max_iter=iterations,
+        weights_init=share,
+        means_init=mean,
+        precisions_init=np.linalg.inv(covariance),
+        init_params="random_from_data",  # spares older versions a k-means that the three above would replace
+        random_state=0,
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ConvergenceWarning)  # a few steps from the slices are all that is wanted
+        model.fit(x)
+    W = model.precisions_cholesky_.transpose(0, 2, 1)  # (K, 3, 3), lower triangular
     log_det = np.log(np.diagonal(W, axis1=1, axis2=2)).sum(1)
-    return Mixture(W.reshape(-1, 3), (W @ mean[:, :, None]).reshape(-1), np.log(count / count.sum()) + log_det)
+    return Mixture(W.reshape(-1, 3), (W @ model.means_[:, :, None]).reshape(-1), np.log(model.weights_) + log_det)
+
+
+def _moments(x: Array, member: Array, floor: float) -> tuple[Array, Array, Array]:
+    """Shares (K,), means (K, 3) and covariances (K, 3, 3) of slices, given as memberships (n, K); a slice may be empty."""
+    count = member.sum(0) + 1e-6
+    mean = member.T @ x / count[:, None]
+    centred = x[:, None, :] - mean  # (n, K, 3)
+    scatter = (member[:, :, None] * centred).transpose(1, 2, 0) @ centred.transpose(1, 0, 2)
+    return count / count.sum(), mean, scatter / count[:, None, None] + floor**2 * np.eye(3)
