@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -88,9 +88,11 @@ def learn_skill(group: OperatorGroup, config: SkillConfig | None = None) -> tupl
         paths = _common_length(paths, config) if part == "retreat" else _direct(paths, config)
         frame = parameters[1] if part == "motion" and len(parameters) > 1 else parameters[0]
         tolerance_p, tolerance_r = _tolerances(paths, part, config)
+        # an approach may set out from anywhere; with something in the hand, or from it, the hand starts where it was shown
+        fit = config.fit if part == "approach" else replace(config.fit, max_strays=np.inf)
         try:
             with threadpool_limits(1):
-                phases += fit_phases(paths, frame.name, closed, tolerance_p, tolerance_r, config.fit)
+                phases += fit_phases(paths, frame.name, closed, tolerance_p, tolerance_r, fit)
         except CertificateError as error:
             raise CertificateError(f"operator '{name}', {part}: {error}") from error
     return Skill(tuple(phases), pattern[1]), notes

@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 from symskill_pddl.geometry import Pose, rotation_distance
+from symskill_pddl.learning import skills
 from symskill_pddl.learning.skills import SkillConfig, _common_length, _direct, learn_skill
-from symskill_pddl.skills import FitConfig, Trajectory
+from symskill_pddl.skills import FitConfig, Trajectory, fit_phases
 
 from .conftest import Symbols, kitchen_demos
 
@@ -55,6 +56,19 @@ def test_a_skill_arrives_from_where_the_demonstrations_start(groups):
         contact = held.demo.T_world_ee[held.start]
         assert np.linalg.norm(ee.p - contact.p) < 0.02
         assert rotation_distance(ee, contact) < np.radians(10)
+
+
+@pytest.mark.parametrize(("name", "strays"), [("pick-food-from-cabinet", {1.8}), ("place-food-on-counter", {np.inf})])
+def test_only_approaches_have_to_come_in_well_from_anywhere(groups, monkeypatch, name, strays):
+    seen = []
+
+    def recording(*arguments):
+        seen.append(arguments[-1].max_strays)
+        return fit_phases(*arguments)
+
+    monkeypatch.setattr(skills, "fit_phases", recording)
+    learn_skill(groups[name], SkillConfig(fit=FitConfig(max_components=1, max_fields=1, samples=40, max_strays=1.8)))
+    assert set(seen) == strays
 
 
 def test_a_second_approach_is_cut_out():
