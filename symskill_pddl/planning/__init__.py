@@ -5,21 +5,33 @@ from __future__ import annotations
 from importlib.util import find_spec
 
 from symskill_pddl.errors import InputError, MissingDependencyError, alternatives
+from symskill_pddl.planning.auto import Auto
 from symskill_pddl.planning.command import Command
+from symskill_pddl.planning.downward import FastDownward
 from symskill_pddl.planning.explain import explain, nearest_goal, why_not
-from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, Planner, PlanResult, Status, Step
+from symskill_pddl.planning.kairos import Kairos
+from symskill_pddl.planning.lpg import LPG
+from symskill_pddl.planning.mimir import Mimir
+from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, Planner, PlanResult, Session, Status, Step, session
 from symskill_pddl.planning.pyperplan import Pyperplan
 from symskill_pddl.planning.search import Builtin
-from symskill_pddl.planning.unified import UnifiedPlanning, engines
+from symskill_pddl.planning.text import Reader
+from symskill_pddl.planning.unified import UnifiedPlanning, engines, to_unified_planning
 
 __all__ = [
+    "LPG",
     "NO_EXTRA_COSTS",
+    "Auto",
     "Builtin",
     "Command",
+    "FastDownward",
+    "Kairos",
     "Limits",
+    "Mimir",
     "PlanResult",
     "Planner",
     "Pyperplan",
+    "Session",
     "Status",
     "Step",
     "UnifiedPlanning",
@@ -27,14 +39,21 @@ __all__ = [
     "get",
     "nearest_goal",
     "planners",
+    "session",
+    "to_unified_planning",
     "why_not",
 ]
 
-_FAMILIES = "pyperplan[:SEARCH:HEURISTIC], unified-planning:ENGINE, 'command:PROGRAM {domain} {problem}'"
+_READERS: dict[str, type[Reader]] = {"kairos": Kairos, "mimir": Mimir, "fast-downward": FastDownward, "lpg": LPG}
+"""The engines of the extra `[planners]`."""
+_FAMILIES = (
+    "pyperplan[:SEARCH:HEURISTIC], kairos[:DIALECT], mimir, fast-downward[:DIALECT][:optimal], lpg[:DIALECT], "
+    "unified-planning:ENGINE, 'command:PROGRAM {domain} {problem}'"
+)
 
 
 def planners(*, unified: bool = False) -> tuple[Planner, ...]:
-    """The planners that are installed, best first.
+    """The planners that are installed, in the order in which `symskill planners` shows them.
 
     Parameters
     ----------
@@ -44,13 +63,14 @@ def planners(*, unified: bool = False) -> tuple[Planner, ...]:
     found: list[Planner] = [Builtin(), Builtin(optimal=True, name="builtin-optimal")]
     if find_spec("pyperplan"):
         found.append(Pyperplan())
+    found += [reader() for reader in _READERS.values() if reader.installed()]
     if unified:
         found += [UnifiedPlanning(engine) for engine in engines()]
     return tuple(found)
 
 
 def get(name: str = "auto") -> Planner:
-    """A planner by name; ``auto`` is the best that is installed, and the result of `solve` says which.
+    """A planner by name; ``auto`` chooses for each problem, and the result of `solve` says which.
 
     Raises
     ------
@@ -59,9 +79,9 @@ def get(name: str = "auto") -> Planner:
     MissingDependencyError
         The planner is known and not installed.
     """
-    known = planners()
     if name == "auto":
-        return known[0]
+        return Auto()
+    known = planners()
     for planner in known:
         if planner.name == name:
             return planner
@@ -75,4 +95,17 @@ def get(name: str = "auto") -> Planner:
             raise MissingDependencyError("the planner 'pyperplan' is not installed; pip install pyperplan")
         search, _, heuristic = rest.partition(":")
         return Pyperplan(search or "astar", heuristic or "hadd")
+    if family in _READERS:
+        words = [word for word in rest.split(":") if word]
+        if family == "fast-downward" and words[-1:] == ["optimal"]:
+            return _checked(FastDownward(":".join(words[:-1]), optimal=True))
+        return _checked(_READERS[family](":".join(words)))
     raise InputError(f"unknown planner '{name}'; there are: auto, {alternatives(p.name for p in known)}; families: {_FAMILIES}")
+
+
+def _checked(reader: Reader) -> Planner:
+    if not reader.installed():
+        raise MissingDependencyError(
+            f"the planner '{reader.family}' is not installed; pip install 'symskill-pddl[planners]' (or {reader.package})"
+        )
+    return reader

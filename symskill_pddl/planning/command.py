@@ -7,13 +7,8 @@ after it was run by our own semantics.
 
 from __future__ import annotations
 
-import contextlib
-import os
 import re
-import resource
 import shlex
-import signal
-import subprocess
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,13 +19,11 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.pddl.plan import read_plan, step_lines
+from symskill_pddl.planning.process import run
 from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Status, Step
 from symskill_pddl.symbols import Domain, Plan, Problem, validate
 
 _UNSOLVABLE = re.compile(r"\bunsolvable\b|no plan exists|provably no solution", re.IGNORECASE)
-_GRACE_S = 0.5
-"""Between asking a program to end and ending it."""
-_OUTPUT_BYTES = 50_000_000
 
 
 @dataclass(frozen=True)
@@ -92,7 +85,7 @@ class Command:
                 files[field].write_text(text, encoding="utf-8")
             words = [re.sub(r"{(\w+)}", lambda m: str(files[m[1]]), word) for word in shlex.split(self.template)]
             output = Path(folder) / "output.txt"
-            exit_status = _run(words, Path(folder), output, limits)
+            exit_status = run(words, Path(folder), output, limits, time_s=limits.time_s)
             printed = output.read_text(encoding="utf-8", errors="replace")
             text = files["plan"].read_text(encoding="utf-8", errors="replace") if files["plan"].exists() else ""
         if not text and "{plan}" not in self.template:
@@ -113,35 +106,3 @@ class Command:
             return result(Status.UNSOLVABLE, None, f"'{words[0]}' says '{found[0]}'")
         last = (printed.strip().splitlines() or ["nothing"])[-1]
         return result(Status.FAILED, None, f"'{words[0]}' ended with status {exit_status} and no plan; it said last: {last}")
-
-
-def _run(words: list[str], folder: Path, output: Path, limits: Limits) -> int | None:
-    """Exit status, or None where the time ran out. Leaves no process of the program behind."""
-    with output.open("wb") as stream:
-        try:
-            process = subprocess.Popen(
-                words, cwd=folder, stdin=subprocess.DEVNULL, stdout=stream, stderr=subprocess.STDOUT, start_new_session=True
-            )
-        except OSError as error:
-            raise InputError(f"cannot run the planner '{words[0]}': {error.strerror}") from None
-        try:
-            if hasattr(resource, "prlimit"):
-                memory = limits.memory_mb * 1024 * 1024
-                with contextlib.suppress(ProcessLookupError, PermissionError):
-                    resource.prlimit(process.pid, resource.RLIMIT_AS, (memory, memory))
-                    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (_OUTPUT_BYTES, _OUTPUT_BYTES))
-            try:
-                return process.wait(limits.time_s)
-            except subprocess.TimeoutExpired:
-                _signal(process.pid, signal.SIGTERM)
-                with contextlib.suppress(subprocess.TimeoutExpired):
-                    process.wait(_GRACE_S)
-                return None
-        finally:
-            _signal(process.pid, signal.SIGKILL)
-            process.wait()
-
-
-def _signal(group: int, number: signal.Signals) -> None:
-    with contextlib.suppress(ProcessLookupError, PermissionError):
-        os.killpg(group, number)

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict, deque
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from itertools import product
 
 from symskill_pddl.planning.protocol import Step
-from symskill_pddl.symbols import Atom, Domain, GroundOperator, Operator, Problem, check_domain, check_problem
+from symskill_pddl.symbols import Atom, Domain, GroundOperator, Operator, Problem, State, check_domain, check_problem
 
 
 class OutOfTimeError(Exception):
@@ -172,26 +172,62 @@ def ground_task(
         return Task(0, 0, None, ())
     deleted = frozenset(a for step in steps for a in step.delete - step.add)
     possible = [s for s in steps if not any(a in problem.init and a not in deleted for a in s.absent)]
-    forbidden = {a for s in possible for a in s.absent if a in reached}
-    actions, numbers = [], dict[tuple[Atom, bool], int]()
-
-    def number(atom: Atom, positive: bool = True) -> int:
-        return numbers.setdefault((atom, positive), len(numbers))
-
-    for step in possible:
-        pre = [number(a) for a in sorted(step.pre)] + [number(a, False) for a in sorted(step.absent & forbidden)]
-        gone = step.delete - step.add
-        add = [number(a) for a in sorted(step.add - step.pre)] + [number(a, False) for a in sorted(gone & forbidden)]
-        delete = [number(a) for a in sorted(gone & reached.keys())] + [number(a, False) for a in sorted(step.add & forbidden)]
-        key = (step.name, step.args)
-        cost = step.cost + extra_costs.get(key, 0.0)
-        actions.append(Action(key, tuple(pre), tuple(add), _mask(pre), _mask(add), _mask(delete), cost))
-    goal = tuple(number(a) for a in sorted(problem.goal))
-    init = [i for (atom, positive), i in numbers.items() if (atom in problem.init) == positive]
-    return Task(len(numbers), _mask(init), goal, _relevant(tuple(actions), goal))
+    return Grounding(possible, reached.keys()).task(problem.init, problem.goal, extra_costs)
 
 
-def _mask(bits: list[int]) -> int:
+class Grounding:
+    """Ground operators with numbered facts, for any initial state within `reached` and any goal.
+
+    What is reachable from a part of some atoms is reachable from all of them, so a grounding that was made from the atoms of
+    several states serves each; the negative conditions are facts of their own and exact in every state.
+
+    Parameters
+    ----------
+    steps : iterable of GroundOperator
+    reached : set of Atom
+        Closed under the steps.
+    """
+
+    def __init__(self, steps: Iterable[GroundOperator], reached: Iterable[Atom]) -> None:
+        self.reached = frozenset(reached)
+        possible = tuple(steps)
+        forbidden = {a for s in possible for a in s.absent if a in self.reached}
+        self._numbers: dict[tuple[Atom, bool], int] = {}
+        actions = []
+        for step in possible:
+            gone = step.delete - step.add
+            pre = self._all(step.pre) + self._all(step.absent & forbidden, positive=False)
+            add = self._all(step.add - step.pre) + self._all(gone & forbidden, positive=False)
+            delete = self._all(gone & self.reached) + self._all(step.add & forbidden, positive=False)
+            key = (step.name, step.args)
+            actions.append(Action(key, tuple(pre), tuple(add), _mask(pre), _mask(add), _mask(delete), step.cost))
+        self._actions = tuple(actions)
+        self._relevant: dict[State, tuple[Action, ...]] = {}
+
+    @classmethod
+    def of(cls, domain: Domain, problem: Problem, *, deadline: float = float("inf"), limit: int = 200_000) -> Grounding:
+        """Everything that can be reached from the problem's initial state; raises like `reachable`."""
+        steps, reached = reachable(domain, problem, deadline=deadline, limit=limit)
+        return cls(steps, reached)
+
+    def task(self, init: State, goal: State, extra_costs: Mapping[Step, float]) -> Task:
+        """The part that is relevant for the goal, from a state that lies within `reached`."""
+        if not goal <= self.reached:
+            return Task(0, 0, None, ())
+        numbers = tuple(self._all(goal))
+        if goal not in self._relevant:
+            self._relevant[goal] = _relevant(self._actions, numbers)
+        actions = self._relevant[goal]
+        if extra_costs:
+            actions = tuple(replace(a, cost=a.cost + extra_costs[a.step]) if a.step in extra_costs else a for a in actions)
+        holding = [i for (atom, positive), i in self._numbers.items() if (atom in init) == positive]
+        return Task(len(self._numbers), _mask(holding), numbers, actions)
+
+    def _all(self, atoms: Iterable[Atom], *, positive: bool = True) -> list[int]:
+        return [self._numbers.setdefault((a, positive), len(self._numbers)) for a in sorted(atoms)]
+
+
+def _mask(bits: Iterable[int]) -> int:
     return sum(1 << i for i in set(bits))
 
 

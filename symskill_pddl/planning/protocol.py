@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from symskill_pddl.errors import InputError, NoPlanError
-from symskill_pddl.symbols import Domain, Plan, Problem
+from symskill_pddl.symbols import Domain, Plan, Problem, State
 
 Step = tuple[str, tuple[str, ...]]
 """A ground step as plans hold it: operator name and arguments."""
@@ -95,3 +95,38 @@ class Planner(Protocol):
         self, domain: Domain, problem: Problem, limits: Limits = ..., extra_costs: Mapping[Step, float] = ...
     ) -> PlanResult:
         """Plan from `problem.init` to `problem.goal`; `extra_costs` come on top of the operator's cost, per ground step."""
+
+
+class Session(Protocol):
+    """A planner that has a domain and its objects loaded, for one state after another while a robot waits."""
+
+    def solve(self, init: State, goal: State, limits: Limits = ..., extra_costs: Mapping[Step, float] = ...) -> PlanResult:
+        """As `Planner.solve` over the session's objects."""
+
+
+@runtime_checkable
+class Warm(Protocol):
+    """What planners have that keep more between two calls than their name."""
+
+    def session(self, domain: Domain, objects: tuple[tuple[str, str], ...]) -> Session:
+        """Load a domain and the objects, (object, type) pairs, of the problems to come."""
+
+
+@dataclass(frozen=True)
+class _Cold:
+    """A session that keeps nothing, for planners that cannot."""
+
+    planner: Planner
+    domain: Domain
+    objects: tuple[tuple[str, str], ...]
+
+    def solve(
+        self, init: State, goal: State, limits: Limits = Limits(), extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS
+    ) -> PlanResult:
+        problem = Problem("replanning", self.domain.name, self.objects, init, goal)
+        return self.planner.solve(self.domain, problem, limits, extra_costs)
+
+
+def session(planner: Planner, domain: Domain, objects: tuple[tuple[str, str], ...]) -> Session:
+    """A session with any planner: warm where it can keep something, and plain calls of `solve` where it cannot."""
+    return planner.session(domain, objects) if isinstance(planner, Warm) else _Cold(planner, domain, objects)

@@ -24,7 +24,7 @@ from symskill_pddl.pddl.names import Names
 from symskill_pddl.pddl.plan import read_plan
 from symskill_pddl.planning.grounding import OutOfTimeError, TooLargeError, ground_task
 from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Status, Step
-from symskill_pddl.symbols import Domain, Plan, Problem, check_domain, check_problem
+from symskill_pddl.symbols import Domain, Plan, Problem, check_domain, check_problem, validate
 
 SEARCHES = ("astar", "gbf", "wastar")
 HEURISTICS = ("blind", "hadd", "hff", "hmax", "lmcut")
@@ -93,6 +93,7 @@ class Pyperplan:
             return result(Status.FAILED, None, str(error))
         if plan is None:
             return result(Status.UNSOLVABLE)
+        validate(domain, problem, plan)
         steps = plan.ground(domain, problem.object_types)
         return result(Status.SOLVED, Plan(plan.steps, sum(step.cost for step in steps)))
 

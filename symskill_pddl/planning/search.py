@@ -12,14 +12,14 @@ from __future__ import annotations
 import heapq
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from symskill_pddl import __version__
 from symskill_pddl.errors import InputError
-from symskill_pddl.planning.grounding import Action, OutOfTimeError, Task, TooLargeError, ground_task
+from symskill_pddl.planning.grounding import Action, Grounding, OutOfTimeError, Task, TooLargeError, ground_task
 from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Status, Step
 from symskill_pddl.planning.relaxation import INFINITE, Relaxation
-from symskill_pddl.symbols import Domain, Plan, Problem
+from symskill_pddl.symbols import Domain, Plan, Problem, State, check_problem, validate
 
 _Entry = tuple[float, int, int, Action | None]
 PATIENCE = 40_000
@@ -57,27 +57,11 @@ class Builtin:
         InputError
             The problem does not fit the domain, or a cost is negative.
         """
-        start = time.monotonic()
-        if any(not op.cost >= 0.0 for op in domain.operators) or any(not extra >= 0.0 for extra in extra_costs.values()):
-            raise InputError("the builtin planner needs costs of zero or above")
+        return self.session(domain, problem.objects)._solve(problem, limits, extra_costs, ground_task)
 
-        def result(status: Status, plan: Plan | None = None, *messages: str) -> PlanResult:
-            return PlanResult(status, plan, time.monotonic() - start, messages, self.name)
-
-        deadline = start + limits.time_s
-        try:
-            task = ground_task(domain, problem, extra_costs=extra_costs, deadline=deadline, limit=limits.ground_operators)
-            if task.goal is None:
-                return result(Status.UNSOLVABLE, None, "some goal atom cannot be reached even without deletes")
-            actions, expanded = self._search(task, deadline)
-        except OutOfTimeError:
-            return result(Status.TIMEOUT, None, f"the time limit of {limits.time_s:g} s passed")
-        except TooLargeError as error:
-            return result(Status.FAILED, None, str(error))
-        if actions is None:
-            return result(Status.UNSOLVABLE, None, f"all {expanded} reachable states were searched")
-        plan = Plan(tuple(a.step for a in actions), sum(a.cost for a in actions))
-        return result(Status.SOLVED, plan, f"{expanded} states expanded, {len(task.actions)} ground operators")
+    def session(self, domain: Domain, objects: tuple[tuple[str, str], ...]) -> BuiltinSession:
+        """The planner for many states and goals over the same objects; it keeps what it has grounded."""
+        return BuiltinSession(self, domain, objects)
 
     def _search(self, task: Task, deadline: float) -> tuple[list[Action] | None, int]:
         relaxation = Relaxation(task)
@@ -89,6 +73,57 @@ class Builtin:
         except _OutOfPatienceError:
             found, expanded = _lazy_greedy(task, relaxation, deadline)
             return found, expanded + patience
+
+
+class BuiltinSession:
+    """See `protocol.Session`. Grounds again only where a state holds what no state before could reach."""
+
+    def __init__(self, planner: Builtin, domain: Domain, objects: tuple[tuple[str, str], ...]) -> None:
+        self._planner, self._domain, self._objects = planner, domain, objects
+        self._grounding: Grounding | None = None
+        self._seen: State = frozenset()
+
+    def solve(
+        self, init: State, goal: State, limits: Limits = Limits(), extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS
+    ) -> PlanResult:
+        """Plan from `init` to `goal`; raises as `Builtin.solve` does."""
+        problem = Problem("replanning", self._domain.name, self._objects, init, goal)
+        return self._solve(problem, limits, extra_costs, self._kept)
+
+    def _kept(self, domain: Domain, problem: Problem, *, extra_costs: Mapping[Step, float], deadline: float, limit: int) -> Task:
+        check_problem(domain, problem)
+        if self._grounding is None or not problem.init <= self._grounding.reached:
+            whole = replace(problem, init=problem.init | self._seen)
+            self._grounding = Grounding.of(domain, whole, deadline=deadline, limit=limit)
+            self._seen = whole.init
+        return self._grounding.task(problem.init, problem.goal, extra_costs)
+
+    def _solve(
+        self, problem: Problem, limits: Limits, extra_costs: Mapping[Step, float], ground: Callable[..., Task]
+    ) -> PlanResult:
+        start = time.monotonic()
+        domain, planner = self._domain, self._planner
+        if any(not op.cost >= 0.0 for op in domain.operators) or any(not extra >= 0.0 for extra in extra_costs.values()):
+            raise InputError("the builtin planner needs costs of zero or above")
+
+        def result(status: Status, plan: Plan | None = None, *messages: str) -> PlanResult:
+            return PlanResult(status, plan, time.monotonic() - start, messages, planner.name)
+
+        deadline = start + limits.time_s
+        try:
+            task = ground(domain, problem, extra_costs=extra_costs, deadline=deadline, limit=limits.ground_operators)
+            if task.goal is None:
+                return result(Status.UNSOLVABLE, None, "some goal atom cannot be reached even without deletes")
+            actions, expanded = planner._search(task, deadline)
+        except OutOfTimeError:
+            return result(Status.TIMEOUT, None, f"the time limit of {limits.time_s:g} s passed")
+        except TooLargeError as error:
+            return result(Status.FAILED, None, str(error))
+        if actions is None:
+            return result(Status.UNSOLVABLE, None, f"all {expanded} reachable states were searched")
+        plan = Plan(tuple(a.step for a in actions), sum(a.cost for a in actions))
+        validate(domain, problem, plan)
+        return result(Status.SOLVED, plan, f"{expanded} states expanded, {len(task.actions)} ground operators")
 
 
 class _OutOfPatienceError(Exception):

@@ -14,12 +14,12 @@ from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from symskill_pddl.errors import InputError, MissingDependencyError, ParseError, alternatives
+from symskill_pddl.errors import InputError, MissingDependencyError, alternatives
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.pddl.plan import read_plan
 from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Status, Step
-from symskill_pddl.symbols import Domain, Plan, Problem
+from symskill_pddl.symbols import Domain, Plan, Problem, check_problem, validate
 
 _UNSOLVABLE = ("UNSOLVABLE_PROVEN",)
 _SOLVED = ("SOLVED_SATISFICING", "SOLVED_OPTIMALLY")
@@ -36,6 +36,39 @@ def engines() -> tuple[str, ...]:
     """Names of the installed engines that make plans."""
     factory = _unified().get_environment().factory
     return tuple(sorted(name for name in factory.engines if factory.engine(name).is_oneshot_planner()))
+
+
+def to_unified_planning(domain: Domain, problem: Problem | None = None, *, dialect: str = "negative") -> tuple[Any, Names]:
+    """The domain, with a problem of it, as an object of unified-planning.
+
+    Parameters
+    ----------
+    problem : Problem, optional
+        Without one the object has no objects, initial values or goals.
+    dialect : str
+        What of the domain to bring along: see `pddl.dialect`; the temporal one becomes durative actions.
+
+    Returns
+    -------
+    unified_planning.model.Problem
+    Names
+        From our names to those in the object, which are PDDL names; ``names.inverse().plan(...)`` brings a plan back. Where
+        every name is a PDDL name already, nothing is renamed.
+
+    Raises
+    ------
+    InputError
+        The problem does not fit the domain, or the dialect cannot say it.
+    MissingDependencyError
+        unified-planning is not installed.
+    """
+    _unified()
+    whole = problem or Problem("empty", domain.name, (), frozenset(), frozenset())
+    names = Names.of(domain, whole.object_types)
+    exported = names.domain(domain)
+    texts = [write_domain(exported, dialect=dialect), write_problem(names.problem(whole), exported, dialect=dialect)]
+    reader = import_module("unified_planning.io").PDDLReader()
+    return (reader.parse_problem_string(*texts) if problem else reader.parse_problem_string(texts[0])), names
 
 
 @dataclass(frozen=True)
@@ -78,6 +111,9 @@ class UnifiedPlanning:
         def result(status: Status, plan: Plan | None = None, *more: str) -> PlanResult:
             return PlanResult(status, plan, time.monotonic() - start, (*more, *ignored), self.name)
 
+        check_problem(domain, problem)
+        if problem.goal <= problem.init:
+            return result(Status.SOLVED, Plan((), 0.0), "the goal holds already")
         names = Names.of(domain, problem.object_types)
         exported_domain, exported_problem = names.domain(domain), names.problem(problem)
         refused: list[str] = []
@@ -109,8 +145,9 @@ class UnifiedPlanning:
             )
             try:
                 plan = names.inverse().plan(read_plan(text, exported_domain, exported_problem.object_types, self.name))
-            except ParseError as error:
-                return result(Status.FAILED, None, str(error))
+                validate(domain, problem, plan)
+            except InputError as error:
+                return result(Status.FAILED, None, f"what {self.name} gives is not a plan: {error}")
             return result(Status.SOLVED, Plan(plan.steps, sum(s.cost for s in plan.ground(domain, problem.object_types))))
         if status in _UNSOLVABLE:
             return result(Status.UNSOLVABLE)

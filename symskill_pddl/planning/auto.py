@@ -1,0 +1,96 @@
+"""`auto`: for each problem the planner that suits it best among those installed; the result says which it was, and why.
+
+What costs a robot time is the plan, not the planning: one step takes it seconds. So `builtin` plans wherever it can plan well,
+which is where the problem is small, and wherever single ground steps have costs of their own, which no other engine knows. Larger
+problems go to the first of `FAST` that is installed. An engine that breaks is followed by `builtin`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from math import prod
+
+from symskill_pddl import __version__
+from symskill_pddl.planning.kairos import Kairos
+from symskill_pddl.planning.mimir import Mimir
+from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, Planner, PlanResult, Session, Status, Step, session
+from symskill_pddl.planning.search import Builtin
+from symskill_pddl.symbols import Domain, Problem, State
+
+SMALL = 100
+"""Bindings of all operators to objects of their types, up to which `builtin` is as quick as anyone."""
+Objects = tuple[tuple[str, str], ...]
+
+
+def fast() -> tuple[Planner, ...]:
+    """The installed engines for large problems, best first."""
+    return tuple(engine() for engine in (Kairos, Mimir) if engine.installed())
+
+
+def bindings(domain: Domain, objects: Objects) -> int:
+    """How many ground operators there could be, by the types alone."""
+    return sum(prod(sum(domain.is_a(t, p.type) for _, t in objects) for p in op.parameters) for op in domain.operators)
+
+
+@dataclass(frozen=True)
+class Auto:
+    """The planner `auto`; see the module's text."""
+
+    name: str = "auto"
+    version: str = __version__
+    licence: str = "Apache-2.0; see the engines it takes"
+    dialects: tuple[str, ...] = ("strips", "negative", "costs")
+
+    def solve(
+        self,
+        domain: Domain,
+        problem: Problem,
+        limits: Limits = Limits(),
+        extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS,
+    ) -> PlanResult:
+        """Plan; raises `InputError` where the problem does not fit the domain."""
+        return self.session(domain, problem.objects).solve(problem.init, problem.goal, limits, extra_costs)
+
+    def session(self, domain: Domain, objects: Objects) -> AutoSession:
+        """A session with each engine that is needed, opened when it is."""
+        return AutoSession(domain, objects)
+
+
+@dataclass
+class AutoSession:
+    """See `protocol.Session`."""
+
+    domain: Domain
+    objects: Objects
+    _open: dict[str, Session] = field(default_factory=dict)
+
+    def solve(
+        self, init: State, goal: State, limits: Limits = Limits(), extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS
+    ) -> PlanResult:
+        """Plan with the engine that suits; a message says which and why."""
+        start = time.monotonic()
+        engine, why = self._choose(extra_costs)
+        found = self._with(engine).solve(init, goal, limits, extra_costs)
+        left = limits.time_s - (time.monotonic() - start)
+        if found.status is Status.FAILED and engine.name != "builtin" and left > 0.0:
+            why = f"{engine.name} failed ({found.messages[0] if found.messages else 'without a word'})"
+            found = self._with(Builtin()).solve(init, goal, replace(limits, time_s=left), extra_costs)
+        messages = (*found.messages, f"auto took {found.planner}: {why}")
+        return PlanResult(found.status, found.plan, time.monotonic() - start, messages, found.planner)
+
+    def _choose(self, extra_costs: Mapping[Step, float]) -> tuple[Planner, str]:
+        if any(extra_costs.values()):
+            return Builtin(), "single ground steps have extra costs, which it alone knows"
+        number = bindings(self.domain, self.objects)
+        if number <= SMALL:
+            return Builtin(), f"the problem is small, {number} ground operators by type"
+        if engines := fast():
+            return engines[0], f"the problem is large, {number} ground operators by type"
+        return Builtin(), "no faster planner is installed; pip install 'symskill-pddl[planners]'"
+
+    def _with(self, engine: Planner) -> Session:
+        if engine.name not in self._open:
+            self._open[engine.name] = session(engine, self.domain, self.objects)
+        return self._open[engine.name]

@@ -1,0 +1,106 @@
+"""Which planner `auto` takes, and that sessions of the planners without engines replan."""
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from random_domains import atoms, breadth_first, covered_egg, domains, kitchen, problems
+
+import symskill_pddl.planning.auto as auto
+from symskill_pddl.planning import Auto, Builtin, Limits, Pyperplan, Status, get, session
+from symskill_pddl.planning.protocol import PlanResult
+from symskill_pddl.symbols import validate
+
+
+class Breaks:
+    name, version, licence, dialects = "breaks", "0", "none", ("negative",)
+
+    def solve(self, domain, problem, limits=None, extra_costs=None):
+        return PlanResult(Status.FAILED, messages=("out of order",), planner=self.name)
+
+
+class Solves(Breaks):
+    name = "solves"
+
+    def solve(self, domain, problem, limits=None, extra_costs=None):
+        return replace(Builtin().solve(domain, problem), planner=self.name)
+
+
+def taken(result):
+    return result.planner, result.messages[-1]
+
+
+def test_small_problems_go_to_builtin():
+    assert taken(get().solve(kitchen(), covered_egg())) == (
+        "builtin",
+        f"auto took builtin: the problem is small, {auto.bindings(kitchen(), covered_egg().objects)} ground operators by type",
+    )
+
+
+def test_large_problems_go_to_a_fast_engine(monkeypatch):
+    monkeypatch.setattr(auto, "SMALL", 3)
+    monkeypatch.setattr(auto, "fast", lambda: (Solves(), Breaks()))
+    assert taken(Auto().solve(kitchen(), covered_egg()))[0] == "solves"
+    extra = {("pick-lid", ("lid-a", "pan-a")): 1.0}
+    planner, why = taken(Auto().solve(kitchen(), covered_egg(), Limits(), extra))
+    assert planner == "builtin"
+    assert "single ground steps" in why
+
+
+def test_an_engine_that_breaks_is_followed_by_builtin(monkeypatch):
+    monkeypatch.setattr(auto, "SMALL", 3)
+    monkeypatch.setattr(auto, "fast", lambda: (Breaks(),))
+    assert taken(Auto().solve(kitchen(), covered_egg())) == ("builtin", "auto took builtin: breaks failed (out of order)")
+
+
+def test_without_engines_there_is_builtin(monkeypatch):
+    monkeypatch.setattr(auto, "SMALL", 3)
+    monkeypatch.setattr(auto, "fast", tuple)
+    assert "no faster planner is installed" in taken(Auto().solve(kitchen(), covered_egg()))[1]
+
+
+@pytest.mark.parametrize("planner", [Builtin(), Builtin(optimal=True), Auto(), Pyperplan()], ids=lambda p: type(p).__name__)
+def test_a_session_replans_from_every_state_of_a_plan(planner):
+    egg = covered_egg()
+    warm, state = session(planner, kitchen(), egg.objects), egg.init
+    for step in Builtin().solve(kitchen(), egg).unwrap().ground(kitchen(), egg.object_types):
+        validate(kitchen(), replace(egg, init=state), warm.solve(state, egg.goal).unwrap())
+        state = step.apply(state)
+    assert len(warm.solve(state, egg.goal).unwrap()) == 0
+    assert warm.solve(state, egg.goal | atoms("gripper-holds-food egg")).status is Status.UNSOLVABLE
+
+
+def test_a_session_knows_extra_costs():
+    egg = covered_egg()
+    warm = session(Builtin(), kitchen(), egg.objects)
+    plain = warm.solve(egg.init, egg.goal).unwrap()
+    dear = dict.fromkeys(plain.steps[1:2], 50.0)
+    with_costs = warm.solve(egg.init, egg.goal, Limits(), dear).unwrap()
+    assert with_costs.cost == Builtin().solve(kitchen(), egg, Limits(), dear).unwrap().cost
+    assert warm.solve(egg.init, egg.goal).plan == plain
+
+
+@given(st.data())
+@settings(max_examples=60, deadline=None)
+def test_a_warm_session_is_as_right_as_a_cold_call(data):
+    domain = data.draw(domains())
+    first, second = data.draw(problems(domain)), data.draw(problems(domain))
+    objects = dict(first.objects)
+    states = [first.init, *([second.init] if all(x in objects for a in second.init for x in a.args) else [])]
+    if dict(second.objects).items() <= objects.items():
+        states.append(second.init | first.init)
+    else:
+        states = states[:1]
+    warm = session(Builtin(optimal=True), domain, first.objects)
+    for state in (*states, first.init):
+        asked = replace(first, init=state)
+        try:
+            shortest = breadth_first(domain, asked)
+        except OverflowError:
+            return
+        result = warm.solve(state, first.goal)
+        assert result.status is (Status.UNSOLVABLE if shortest is None else Status.SOLVED)
+        if result.plan is not None:
+            validate(domain, asked, result.plan)
+            assert result.plan.cost == pytest.approx(Builtin(optimal=True).solve(domain, asked).unwrap().cost)
