@@ -14,7 +14,7 @@ import random
 import statistics
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -25,12 +25,13 @@ from planning_direct import DIRECT  # noqa: E402 - the path has to be there firs
 
 from symskill_pddl.pddl import read_domain, read_problem, write_domain, write_problem  # noqa: E402
 from symskill_pddl.planning import Auto, Limits, Planner, Status, planners, session  # noqa: E402
+from symskill_pddl.planning.text import text_of  # noqa: E402
 from symskill_pddl.symbols import Atom, Domain, Problem  # noqa: E402
 
 SIZES = (2, 5, 10, 20, 50, 100)
 LIMIT_S = 4.0
-REPEATS = 5
-"""Calls of each kind; the median counts. Calls above half a second are made once."""
+REPEATS = 7
+"""Calls of each kind, of which the median counts; fewer where they take more than a second together."""
 
 
 def table_problem(domain: Domain, n: int, goal: str) -> Problem:
@@ -96,17 +97,18 @@ class Row:
     warm_ms: float | None
 
 
-def median_ms(call: Callable[[], bool]) -> float | None:
-    """Of several calls; None where one does not succeed."""
-    times: list[float] = []
-    while len(times) < REPEATS:
-        start = time.perf_counter()
-        if not call():
-            return None
-        times.append(time.perf_counter() - start)
-        if times[-1] > 0.5:
-            break
-    return 1000.0 * statistics.median(times)
+def medians_ms(calls: Sequence[Callable[[], bool]]) -> list[float | None]:
+    """Of several rounds in which each call has its turn, so that other work on the machine slows all alike."""
+    times: list[list[float]] = [[] for _ in calls]
+    failed = [False] * len(calls)
+    for _ in range(REPEATS):
+        for i, call in enumerate(calls):
+            if failed[i] or sum(times[i]) > 1.0:
+                continue
+            start = time.perf_counter()
+            failed[i] = not call()
+            times[i].append(time.perf_counter() - start)
+    return [None if bad else 1000.0 * statistics.median(t) for bad, t in zip(failed, times, strict=True)]
 
 
 def measure(planner: Planner, domain: Domain, problem: Problem, task: str, size: int) -> Row:
@@ -115,20 +117,28 @@ def measure(planner: Planner, domain: Domain, problem: Problem, task: str, size:
     result = planner.solve(domain, problem, limits)  # the first call of all pays for imports
     if result.plan is None:
         return Row(planner.name, result.planner, task, size, None, None, None, None)
-    cold = median_ms(lambda: planner.solve(domain, problem, limits).status is Status.SOLVED)
-    direct = None
-    if planner.name in DIRECT:
-        dialect = "strips" if planner.name == "pyperplan" else "negative"
-        texts = write_domain(domain, dialect=dialect), write_problem(problem, domain, dialect=dialect)
-        direct = median_ms(lambda: DIRECT[planner.name](*texts, LIMIT_S) is not None)
-    open_ = session(planner, domain, problem.objects)
-    open_.solve(problem.init, problem.goal, limits)
     states = [problem.init]
     for step in result.plan.ground(domain, problem.object_types):
         states.append(step.apply(states[-1]))
     drawn = iter(random.Random(size).choices(states[:-1], k=REPEATS))
-    warm = median_ms(lambda: open_.solve(next(drawn), problem.goal, limits).status is Status.SOLVED)
-    return Row(planner.name, result.planner, task, size, len(result.plan), direct, cold, warm)
+    open_ = session(planner, domain, problem.objects)
+    open_.solve(problem.init, problem.goal, limits)
+    dialect = "strips" if planner.name == "pyperplan" else "negative"
+    texts = write_domain(domain, dialect=dialect), write_problem(problem, domain, dialect=dialect)
+    direct = DIRECT.get(planner.name)
+
+    def cold() -> bool:
+        text_of.cache_clear()
+        return planner.solve(domain, problem, limits).status is Status.SOLVED
+
+    cold_ms, warm_ms, *direct_ms = medians_ms(
+        [
+            cold,
+            lambda: open_.solve(next(drawn), problem.goal, limits).status is Status.SOLVED,
+            *([lambda: direct(*texts, LIMIT_S) is not None] if direct else []),
+        ]
+    )
+    return Row(planner.name, result.planner, task, size, len(result.plan), *(direct_ms or [None]), cold_ms, warm_ms)
 
 
 def rows() -> Iterator[Row]:
@@ -141,7 +151,7 @@ def rows() -> Iterator[Row]:
         "move everything": (table, lambda n: table_problem(table, n, "gall")),
         "learned kitchen": (learned, lambda n: learned_problem(store, n)),
     }
-    for planner in (Auto(), *planners()):
+    for planner in (Auto(), *(p for p in planners() if p.name != "builtin-optimal")):
         for task, (domain, make) in tasks.items():
             for size in SIZES:
                 row = measure(planner, domain, make(size), task, size)
@@ -156,7 +166,7 @@ def markdown(found: list[Row], seconds: float) -> str:
     def cell(value: float | None) -> str:
         return "" if value is None else f"{value:.1f}" if value < 100.0 else f"{value:.0f}"
 
-    versions = ", ".join(f"{p.name} {p.version}" for p in planners())
+    versions = ", ".join(f"{p.name} {p.version}" for p in planners() if p.name != "builtin-optimal")
     lines = [
         "# Planning times",
         "",

@@ -180,6 +180,8 @@ class Domain:
 
     def is_a(self, name: str, ancestor: str) -> bool:
         """Whether type `name` is `ancestor` or below it."""
+        if ancestor in (name, ROOT_TYPE):
+            return True
         parents = {t.name: t.parent for t in self.types}
         seen: set[str] = set()
         while name not in seen:

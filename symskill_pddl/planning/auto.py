@@ -8,6 +8,7 @@ problems go to the first of `FAST` that is installed. An engine that breaks is f
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import prod
@@ -31,7 +32,12 @@ def fast() -> tuple[Planner, ...]:
 
 def bindings(domain: Domain, objects: Objects) -> int:
     """How many ground operators there could be, by the types alone."""
-    return sum(prod(sum(domain.is_a(t, p.type) for _, t in objects) for p in op.parameters) for op in domain.operators)
+    kinds = Counter(kind for _, kind in objects)
+    fitting = {
+        kind: sum(n for k, n in kinds.items() if domain.is_a(k, kind))
+        for kind in {p.type for op in domain.operators for p in op.parameters}
+    }
+    return sum(prod(fitting[p.type] for p in op.parameters) for op in domain.operators)
 
 
 @dataclass(frozen=True)

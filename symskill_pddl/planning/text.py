@@ -10,7 +10,7 @@ import re
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
@@ -63,6 +63,12 @@ class Text:
     @cached_property
     def _exported_objects(self) -> dict[str, str]:
         return self.names.problem(Problem("", "", self.objects, frozenset(), frozenset())).object_types
+
+
+@lru_cache(maxsize=8)
+def text_of(domain: Domain, objects: Objects, dialect: str) -> Text:
+    """The text; the last few are kept, for who calls `solve` again and again instead of opening a session."""
+    return Text(domain, objects, dialect)
 
 
 @dataclass(frozen=True)
@@ -220,7 +226,7 @@ class Reader:
         """The engine with the domain loaded; raises as `solve` does."""
         differ = len({op.cost for op in domain.operators}) > 1
         dialect = self.dialect or ("costs" if differ and "costs" in self.dialects else "negative")
-        text = Text(domain, objects, dialect)
+        text = text_of(domain, objects, dialect)
         ignored = differ and dialect in ("strips", "negative")
         notes = (f"{self.name} counts steps and ignores costs",) if ignored else ()
         return TextSession(self.name, text, self.load(text), shorten=self.shorten, messages=notes)
