@@ -2,10 +2,10 @@
 
 import os
 import random
+import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
-from tempfile import gettempdir
 
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
@@ -195,11 +195,11 @@ def running(mark):
 
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc to look for processes")
 @pytest.mark.parametrize("engine", [FastDownward(), FastDownward(optimal=True), LPG()], ids=lambda e: e.name)
-def test_no_process_is_left_after_twenty_time_outs(engine, monkeypatch):
+def test_no_process_is_left_after_twenty_time_outs(engine, monkeypatch, tmp_path):
     here(engine)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     mark = f"SYMSKILL_TEST_{random.getrandbits(64):x}"
     monkeypatch.setenv(mark, "1")
-    before = set(Path(gettempdir()).glob("symskill-*"))
     for i in range(20):
         limits = Limits(time_s=0.01 + 0.015 * i)  # ends the translator as well as the search
         assert engine.solve(kitchen(), crowded(25), limits).status is Status.TIMEOUT
@@ -208,7 +208,7 @@ def test_no_process_is_left_after_twenty_time_outs(engine, monkeypatch):
             break
         time.sleep(0.05)
     assert not left
-    assert not set(Path(gettempdir()).glob("symskill-*")) - before
+    assert not list(tmp_path.iterdir())
 
 
 def answering(answer):

@@ -64,8 +64,9 @@ def kairos(domain, problem):
     import kairos
 
     texts = domain.read_text(), problem.read_text()
-    assert [str(d) for d in kairos.check_domain(texts[0]).diagnostics] == []
-    assert [str(d) for d in kairos.check_problem(texts[1], texts[0]).diagnostics] == []
+    said = [str(d) for d in (*kairos.check_domain(texts[0]).diagnostics, *kairos.check_problem(texts[1], texts[0]).diagnostics)]
+    # `:action-costs` is all that PDDL 3.1 asks for; Kairos warns all the same, and Fast Downward refuses `:numeric-fluents`
+    assert not [line for line in said if not (":action-costs" in texts[0] and "does not include :numeric-fluents" in line)]
 
 
 def mimir(domain, problem):
