@@ -2,7 +2,8 @@
 
 What costs a robot time is the plan, not the planning: one step takes it seconds. So `builtin` plans wherever it can plan well,
 which is where the problem is small, and wherever single ground steps have costs of their own, which no other engine knows. Larger
-problems go to the first of `FAST` that is installed. An engine that breaks is followed by `builtin`.
+problems go to `mimir`, whose plans are short, where all operators cost the same, for as long as its patience lasts, and then to
+`kairos`, which solves the largest. An engine that breaks is followed by the next, and in the end by `builtin`.
 """
 
 from __future__ import annotations
@@ -22,12 +23,19 @@ from symskill_pddl.symbols import Domain, Problem, State
 
 SMALL = 100
 """Bindings of all operators to objects of their types, up to which `builtin` is as quick as anyone."""
+PATIENCE = 5_000_000
+"""States that `mimir` may look at, times bindings, and five thousand at least: some tenths of a second of work."""
 Objects = tuple[tuple[str, str], ...]
 
 
-def fast() -> tuple[Planner, ...]:
-    """The installed engines for large problems, best first."""
-    return tuple(engine() for engine in (Kairos, Mimir) if engine.installed())
+def fast(domain: Domain, objects: Objects) -> tuple[Planner, ...]:
+    """The installed engines for a large problem, best first."""
+    found: list[Planner] = []
+    if Mimir.installed() and len({op.cost for op in domain.operators}) <= 1:
+        found.append(Mimir(max_states=max(5_000, PATIENCE // max(1, bindings(domain, objects)))))
+    if Kairos.installed():
+        found.append(Kairos())
+    return tuple(found)
 
 
 def bindings(domain: Domain, objects: Objects) -> int:
@@ -71,30 +79,35 @@ class AutoSession:
     domain: Domain
     objects: Objects
     _open: dict[str, Session] = field(default_factory=dict)
+    _failed: set[tuple[str, State]] = field(default_factory=set)
+    """Engines with the goals that they were too weak for; they are not asked again."""
 
     def solve(
         self, init: State, goal: State, limits: Limits = Limits(), extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS
     ) -> PlanResult:
         """Plan with the engine that suits; a message says which and why."""
         start = time.monotonic()
-        engine, why = self._choose(extra_costs)
-        found = self._with(engine).solve(init, goal, limits, extra_costs)
-        left = limits.time_s - (time.monotonic() - start)
-        if found.status is Status.FAILED and engine.name != "builtin" and left > 0.0:
-            why = f"{engine.name} failed ({found.messages[0] if found.messages else 'without a word'})"
-            found = self._with(Builtin()).solve(init, goal, replace(limits, time_s=left), extra_costs)
+        engines, why = self._choose(extra_costs)
+        for engine in (e for e in engines if e.name == "builtin" or (e.name, goal) not in self._failed):
+            left = max(1e-3, limits.time_s - (time.monotonic() - start))
+            found = self._with(engine).solve(init, goal, replace(limits, time_s=left), extra_costs)
+            if found.status is not Status.FAILED:
+                break
+            self._failed.add((engine.name, goal))
+            why = f"{why}; {engine.name} failed ({found.messages[0] if found.messages else 'without a word'})"
         messages = (*found.messages, f"auto took {found.planner}: {why}")
         return PlanResult(found.status, found.plan, time.monotonic() - start, messages, found.planner)
 
-    def _choose(self, extra_costs: Mapping[Step, float]) -> tuple[Planner, str]:
+    def _choose(self, extra_costs: Mapping[Step, float]) -> tuple[tuple[Planner, ...], str]:
+        """Engines to ask in turn, `builtin` last; and why."""
         if any(extra_costs.values()):
-            return Builtin(), "single ground steps have extra costs, which it alone knows"
+            return (Builtin(),), "single ground steps have extra costs, which it alone knows"
         number = bindings(self.domain, self.objects)
         if number <= SMALL:
-            return Builtin(), f"the problem is small, {number} ground operators by type"
-        if engines := fast():
-            return engines[0], f"the problem is large, {number} ground operators by type"
-        return Builtin(), "no faster planner is installed; pip install 'symskill-pddl[planners]'"
+            return (Builtin(),), f"the problem is small, {number} ground operators by type"
+        if engines := fast(self.domain, self.objects):
+            return (*engines, Builtin()), f"the problem is large, {number} ground operators by type"
+        return (Builtin(),), "no faster planner is installed; pip install 'symskill-pddl[planners]'"
 
     def _with(self, engine: Planner) -> Session:
         if engine.name not in self._open:

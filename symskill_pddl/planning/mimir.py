@@ -28,6 +28,8 @@ class Mimir(Reader):
     """Mimir over a `lifted` or `grounded` problem; grounding pays only where many states of a small problem follow."""
 
     mode: str = "lifted"
+    max_states: int = 0
+    """States after which it gives up, with `Status.FAILED`; 0 is never. Unlike a time limit, the same on every machine."""
     family: str = field(default="mimir", init=False, repr=False)
     package: str = field(default="pymimir", init=False, repr=False)
     module: str = field(default="pymimir", init=False, repr=False)
@@ -38,7 +40,7 @@ class Mimir(Reader):
     def load(self, text: Text) -> Ask:
         modules = (self.engine(), self.engine("pymimir.advanced.search"), self.engine("pymimir.advanced.formalism"))
         try:
-            return _Loaded(*modules, text, self.mode)
+            return _Loaded(*modules, text, self.mode, self.max_states)
         except RuntimeError as error:
             why = f"mimir does not read the domain: {' '.join(str(error).split())}"
             return lambda _problem, _limits: Answer(Status.FAILED, messages=(why,))
@@ -47,9 +49,9 @@ class Mimir(Reader):
 class _Loaded:
     """A domain, and the problem that was asked about last."""
 
-    def __init__(self, mimir: Any, search: Any, formalism: Any, text: Text, mode: str) -> None:
+    def __init__(self, mimir: Any, search: Any, formalism: Any, text: Text, mode: str, max_states: int) -> None:
         self._mimir, self._search, self._formalism = mimir, search, formalism
-        self._text, self._mode = text, mode
+        self._text, self._mode, self._max_states = text, mode, max_states
         self._domain = mimir.Domain(text.domain)
         adds = {a.predicate for op in text.original.operators for a in op.add}
         deletes = {a.predicate for op in text.original.operators for a in op.delete}
@@ -69,6 +71,8 @@ class _Loaded:
             self._prepare(replace(problem, init=problem.init | self._known), static)
         options = self._search.GBFSLazyOptions()
         options.max_time_in_ms = max(1, int(limits.time_s * 1000))
+        if self._max_states:
+            options.max_num_states = self._max_states
         options.start_state = self._state(problem.init - static)
         found = self._search.find_solution_gbfs_lazy(self._problem._search_context, self._heuristic, options)
         if found.plan is None:

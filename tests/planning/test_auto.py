@@ -40,7 +40,7 @@ def test_small_problems_go_to_builtin():
 
 def test_large_problems_go_to_a_fast_engine(monkeypatch):
     monkeypatch.setattr(auto, "SMALL", 3)
-    monkeypatch.setattr(auto, "fast", lambda: (Solves(), Breaks()))
+    monkeypatch.setattr(auto, "fast", lambda _domain, _objects: (Solves(), Breaks()))
     assert taken(Auto().solve(kitchen(), covered_egg()))[0] == "solves"
     extra = {("pick-lid", ("lid-a", "pan-a")): 1.0}
     planner, why = taken(Auto().solve(kitchen(), covered_egg(), Limits(), extra))
@@ -50,14 +50,28 @@ def test_large_problems_go_to_a_fast_engine(monkeypatch):
 
 def test_an_engine_that_breaks_is_followed_by_builtin(monkeypatch):
     monkeypatch.setattr(auto, "SMALL", 3)
-    monkeypatch.setattr(auto, "fast", lambda: (Breaks(),))
-    assert taken(Auto().solve(kitchen(), covered_egg())) == ("builtin", "auto took builtin: breaks failed (out of order)")
+    monkeypatch.setattr(auto, "fast", lambda _domain, _objects: (Breaks(),))
+    planner, why = taken(Auto().solve(kitchen(), covered_egg()))
+    assert planner == "builtin"
+    assert why.startswith("auto took builtin: the problem is large")
+    assert why.endswith("; breaks failed (out of order)")
+    warm = session(Auto(), kitchen(), covered_egg().objects)
+    warm.solve(covered_egg().init, covered_egg().goal)
+    assert "out of order" not in taken(warm.solve(covered_egg().init, covered_egg().goal))[1]
 
 
 def test_without_engines_there_is_builtin(monkeypatch):
     monkeypatch.setattr(auto, "SMALL", 3)
-    monkeypatch.setattr(auto, "fast", tuple)
+    monkeypatch.setattr(auto, "fast", lambda _domain, _objects: ())
     assert "no faster planner is installed" in taken(Auto().solve(kitchen(), covered_egg()))[1]
+
+
+def test_mimir_is_for_operators_that_cost_the_same(monkeypatch):
+    for engine in (auto.Mimir, auto.Kairos):
+        monkeypatch.setattr(engine, "module", "sys")  # as if it were installed
+    same = replace(kitchen(), operators=tuple(replace(op, cost=1.0) for op in kitchen().operators))
+    assert [e.name for e in auto.fast(same, covered_egg().objects)] == ["mimir", "kairos"]
+    assert [e.name for e in auto.fast(kitchen(), covered_egg().objects)] == ["kairos"]
 
 
 @pytest.mark.parametrize("planner", [Builtin(), Builtin(optimal=True), Auto(), Pyperplan()], ids=lambda p: type(p).__name__)

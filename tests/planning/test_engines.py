@@ -176,6 +176,12 @@ def test_mimir_prints_nothing(capfd):
     assert capfd.readouterr().out == ""
 
 
+def test_mimir_gives_up_after_so_many_states():
+    result = here(Mimir(max_states=3)).solve(kitchen(), crowded(5))
+    assert result.status is Status.FAILED
+    assert "out_of_states" in result.messages[0]
+
+
 def test_extra_costs_are_ignored_aloud(engine):
     result = engine.solve(kitchen(), covered_egg(), Limits(), {("pick-lid", ("lid-a", "pan-a")): 1.0})
     assert any("ignores the extra costs" in m for m in result.messages)
@@ -194,7 +200,7 @@ def running(mark):
 
 
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc to look for processes")
-@pytest.mark.parametrize("engine", [FastDownward(), FastDownward(optimal=True), LPG()], ids=lambda e: e.name)
+@pytest.mark.parametrize("engine", [FastDownward(), FastDownward("strips", optimal=True), LPG()], ids=lambda e: e.name)
 def test_no_process_is_left_after_twenty_time_outs(engine, monkeypatch, tmp_path):
     here(engine)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
