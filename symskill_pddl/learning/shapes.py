@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.cluster.hierarchy import fcluster, linkage
+from scipy.cluster.hierarchy import cophenet, fcluster, linkage
 from scipy.spatial.distance import squareform
 from scipy.stats import chi2
 
@@ -122,22 +123,33 @@ def free_yaw(poses: Pose, up_in_child: Array, config: ShapeConfig) -> Array | No
     return up_in_child if spread > config.free_rad else None
 
 
-def clusters(distances: Array, min_gap: float, ratio: float, floor: float) -> NDArray[np.intp]:
+def clusters(
+    distances: Array, min_gap: float, ratio: float, floor: float, apart: Sequence[tuple[int, int]] = ()
+) -> NDArray[np.intp]:
     """Cluster numbers (n,), from 0 in order of first appearance, of points with a distance matrix (n, n).
 
     Single linkage, cut at the first merge that bridges at least `min_gap` and at least `ratio` times what the merges before it
-    did (or `floor`): as many clusters as there are clear gaps, be it one.
+    did (or `floor`): as many clusters as there are clear gaps, be it one. With few points no gap may be clear; pairs that are
+    known to be `apart` (where a motion began and ended) then cut lower, unless one in ten or fewer of them asks for it.
     """
     n = len(distances)
     if n == 1:
         return np.zeros(1, dtype=np.intp)
-    tree = linkage(squareform(distances, checks=False), "single")
+    condensed = squareform(distances, checks=False)
+    tree = linkage(condensed, "single")
     heights, cut = tree[:, 2], np.inf
     for k, height in enumerate(heights):
         before = max(float(heights[k - 1]) if k else 0.0, floor)
         if height >= min_gap and height >= ratio * before:
             cut = 0.5 * (height + (heights[k - 1] if k else 0.0))
             break
+    if len(apart):
+        i, j = np.transpose(apart)
+        # where single linkage joins them; a pair nearer than the least gap is no witness
+        joined = np.sort(squareform(cophenet(tree))[i, j][distances[i, j] >= min_gap])
+        lowest = joined[len(joined) // 10] if len(joined) else np.inf
+        if min_gap <= lowest <= cut:
+            cut = np.nextafter(lowest, 0.0)
     labels = fcluster(tree, cut, "distance") if np.isfinite(cut) else np.ones(n, dtype=int)
     order: dict[int, int] = {}
     return np.array([order.setdefault(int(label), len(order)) for label in labels], dtype=np.intp)

@@ -30,6 +30,25 @@ def test_clusters_are_cut_at_clear_gaps(values, expected):
     assert clusters(distances(values), 12, 2.5, 2).tolist() == expected
 
 
+FEW = [0, 0, 50, 51, 84, 100]
+"""A door's angles in two demonstrations: shut, half open and open, with no gap that is clear by itself."""
+
+
+@pytest.mark.parametrize(
+    ("apart", "expected"),
+    [
+        ([], [0, 0, 0, 0, 0, 0]),
+        ([(0, 2), (3, 5), (4, 2), (3, 1)], [0, 0, 1, 1, 2, 2]),
+        # too near each other to be a witness: a nudge
+        ([(2, 3)], [0, 0, 0, 0, 0, 0]),
+        # one odd pair in ten is no reason to cut lower
+        ([(0, 2)] * 10 + [(4, 5)], [0, 0, 1, 1, 1, 1]),
+    ],
+)
+def test_where_a_motion_began_and_ended_are_two_places(apart, expected):
+    assert clusters(distances(FEW), 18, 2.5, 2, apart).tolist() == expected
+
+
 @given(st.lists(st.floats(-200, 200), min_size=1, max_size=12), st.randoms())
 def test_clusters_do_not_depend_on_the_order(values, random):
     order = list(range(len(values)))
