@@ -22,6 +22,8 @@ from symskill_pddl.cli.options import (
 )
 from symskill_pddl.errors import NoPlanError
 
+UNIFIED = "unified-planning:"
+
 NameOption = Annotated[str, typer.Option("--name", help="The domain's name.")]
 
 
@@ -67,6 +69,7 @@ def problem(
 
 def planners(json: JsonFlag = False) -> None:
     """List the planners that are installed, and what each accepts."""
+    from symskill_pddl.planning import missing
     from symskill_pddl.planning import planners as installed
 
     with progress("asking for installed planners"):
@@ -74,7 +77,12 @@ def planners(json: JsonFlag = False) -> None:
     if json:
         emit_json([{"name": p.name, "version": p.version, "licence": p.licence, "dialects": list(p.dialects)} for p in found])
         return
-    table("", ("planner", "version", "licence", "reads"), [(p.name, p.version, p.licence, ", ".join(p.dialects)) for p in found])
+    rows = [(p.name, p.version, p.licence, ", ".join(p.dialects)) for p in found if not p.name.startswith(UNIFIED)]
+    table("", ("planner", "version", "licence", "reads"), rows)
+    if engines := [p.name.removeprefix(UNIFIED) for p in found if p.name.startswith(UNIFIED)]:
+        remark(f"through unified-planning, as {UNIFIED}ENGINE: {', '.join(engines)}")
+    if absent := missing():
+        remark(f"not installed: {', '.join(absent)}; pip install 'symskill-pddl[planners]'")
 
 
 def plan(

@@ -37,6 +37,7 @@ __all__ = [
     "UnifiedPlanning",
     "explain",
     "get",
+    "missing",
     "nearest_goal",
     "planners",
     "session",
@@ -60,13 +61,18 @@ def planners(*, unified: bool = False) -> tuple[Planner, ...]:
     unified : bool
         Also ask unified-planning for its engines; importing it takes about a second.
     """
-    found: list[Planner] = [Builtin(), Builtin(optimal=True, name="builtin-optimal")]
+    found: list[Planner] = [Auto(), Builtin(), Builtin(optimal=True, name="builtin-optimal")]
     if find_spec("pyperplan"):
         found.append(Pyperplan())
     found += [reader() for reader in _READERS.values() if reader.installed()]
     if unified:
         found += [UnifiedPlanning(engine) for engine in engines()]
     return tuple(found)
+
+
+def missing() -> tuple[str, ...]:
+    """The engines of the extra `[planners]` that are not installed."""
+    return tuple(name for name, reader in _READERS.items() if not reader.installed())
 
 
 def get(name: str = "auto") -> Planner:
@@ -79,8 +85,6 @@ def get(name: str = "auto") -> Planner:
     MissingDependencyError
         The planner is known and not installed.
     """
-    if name == "auto":
-        return Auto()
     known = planners()
     for planner in known:
         if planner.name == name:
@@ -100,7 +104,7 @@ def get(name: str = "auto") -> Planner:
         if family == "fast-downward" and words[-1:] == ["optimal"]:
             return _checked(FastDownward(":".join(words[:-1]), optimal=True))
         return _checked(_READERS[family](":".join(words)))
-    raise InputError(f"unknown planner '{name}'; there are: auto, {alternatives(p.name for p in known)}; families: {_FAMILIES}")
+    raise InputError(f"unknown planner '{name}'; there are: {alternatives(p.name for p in known)}; families: {_FAMILIES}")
 
 
 def _checked(reader: Reader) -> Planner:

@@ -34,8 +34,11 @@ def _unified() -> Any:
 
 def engines() -> tuple[str, ...]:
     """Names of the installed engines that make plans."""
-    factory = _unified().get_environment().factory
-    return tuple(sorted(name for name in factory.engines if factory.engine(name).is_oneshot_planner()))
+    with warnings.catch_warnings():
+        # an engine's package may use what setuptools calls deprecated; no user can do anything about it
+        warnings.simplefilter("ignore")
+        factory = _unified().get_environment().factory
+        return tuple(sorted(name for name in factory.engines if factory.engine(name).is_oneshot_planner()))
 
 
 def to_unified_planning(domain: Domain, problem: Problem | None = None, *, dialect: str = "negative") -> tuple[Any, Names]:

@@ -43,8 +43,8 @@ def test_no_numpy_and_no_hash_order():
 
 def test_the_registry():
     names = [p.name for p in planners()]
-    assert names[:3] == ["builtin", "builtin-optimal", "pyperplan"]
-    assert set(names[3:]) <= {"kairos", "mimir", "fast-downward", "lpg"}
+    assert names[:4] == ["auto", "builtin", "builtin-optimal", "pyperplan"]
+    assert set(names[4:]) <= {"kairos", "mimir", "fast-downward", "lpg"}
     assert get().name == "auto"
     assert get("builtin-optimal") == Builtin(optimal=True, name="builtin-optimal")
     assert get("pyperplan") == Pyperplan()
