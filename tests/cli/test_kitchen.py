@@ -14,7 +14,8 @@ from typing import Any
 import pytest
 
 from symskill_pddl.cli.work import learn_from, shipped_demos
-from symskill_pddl.execution.trace import read_trace, replay
+from symskill_pddl.execution.replay import replay
+from symskill_pddl.execution.trace import read_trace
 
 ROOT = Path(__file__).parent.parent.parent
 pytestmark = pytest.mark.simulation
