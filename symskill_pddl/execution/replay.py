@@ -46,7 +46,7 @@ def _replay(trace: Trace) -> Iterator[Replayed]:
             yield Replayed(number, line.verdict, verdict_line(check_start(watch, state)))
         elif isinstance(line, TickLine):
             if watch is None:
-                raise FormatError(f"the trace is damaged: the tick at {line.time:g} s belongs to no step, lines are missing")
+                raise FormatError(f"a damaged trace: the tick at {line.time:g} s belongs to no step, lines are missing")
             state = (state - unrows(line.removed)) | unrows(line.added)
             judgement = judge(watch, load_tick(line, state), memory)
             memory = judgement.memory

@@ -27,6 +27,7 @@ COMMANDS = (
     "check",
     "run",
     "evaluate",
+    "replay",
     "report",
 )
 
