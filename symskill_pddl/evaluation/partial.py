@@ -93,6 +93,8 @@ class Partial:
     def _read(self, wanted: Started) -> None:
         content = self.path.read_bytes()
         whole = content[: content.rfind(b"\n") + 1]
+        if whole.count(b"\n") < 2:  # no episode was finished: nothing to go on with
+            whole = b""
         if len(whole) < len(content):
             os.ftruncate(self._file, len(whole))
         if not whole:

@@ -83,6 +83,15 @@ def test_other_settings_are_refused(tmp_path: Path, changed: dict[str, object], 
     assert seeds(path) == [0]
 
 
+def test_without_a_finished_episode_it_begins_anew(tmp_path: Path) -> None:
+    path = tmp_path / "p.jsonl"
+    keep(path)
+    with Partial(path, SETTINGS.model_copy(update={"seed": 7}), TASKS) as partial:
+        partial.add("StoreCheese", episode(7))
+    with pytest.raises(InputError, match="seed 7, now 0"):
+        Partial(path, SETTINGS, TASKS)
+
+
 @pytest.mark.parametrize(
     ("number", "text"), [(1, "{}"), (1, "settings"), (2, '{"task": "StoreCheese"}'), (2, '{"task": 3, "episode": {}}')]
 )
