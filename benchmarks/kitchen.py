@@ -16,11 +16,11 @@ from pathlib import Path
 
 from symskill_pddl.cli.work import checksum, learn_from, shipped_demos
 from symskill_pddl.evaluation.results import Results, TaskResult, save_results
-from symskill_pddl.evaluation.suite import Suite, run_suite
+from symskill_pddl.evaluation.suite import PRESETS, Suite, run_suite
 from symskill_pddl.library import Library
 
-ATOMIC = ("OpenSingleDoor", "CloseSingleDoor", "PnPCabToCounter", "PnPCounterToCab")
-COMPOSED = ("StoreCheese",)
+ATOMIC = PRESETS["atomic"].tasks
+COMPOSED = PRESETS["composed"].tasks
 
 
 @dataclass(frozen=True)
@@ -40,8 +40,7 @@ class Entry:
         return " ".join([*parts, f"-o {self.name}.json"])
 
 
-SHUT = ("close-door@op=4",)
-"""The door is pushed shut when the fifth step starts: it has just been opened, and the hand is about to reach inside."""
+SHUT = PRESETS["disturbed"].disturbances
 SUITES = (
     Entry("atomic", ATOMIC),
     Entry("atomic-unmonitored", ATOMIC, monitor=False),

@@ -16,6 +16,9 @@ from symskill_pddl.cli.options import (
     JsonFlag,
     LibraryArgument,
     NoMonitorFlag,
+    NoObstaclesFlag,
+    NoReplanningFlag,
+    NoResamplingFlag,
     PlannerOption,
     SeedOption,
     TaskOption,
@@ -25,6 +28,7 @@ from symskill_pddl.cli.options import (
 if TYPE_CHECKING:
     from symskill_pddl.evaluation.results import EpisodeResult, Results
     from symskill_pddl.evaluation.trial import Episode
+    from symskill_pddl.execution.config import ExecutionConfig
     from symskill_pddl.execution.outcome import Outcome
     from symskill_pddl.library import Library
     from symskill_pddl.planning import Planner
@@ -37,6 +41,9 @@ def run(
     planner: PlannerOption = None,
     goal: GoalOption = None,
     no_monitor: NoMonitorFlag = False,
+    no_resampling: NoResamplingFlag = False,
+    no_replanning: NoReplanningFlag = False,
+    no_obstacles: NoObstaclesFlag = False,
     disturb: DisturbOption = None,
     trace: Annotated[Path | None, typer.Option("--trace", help="Write every decision to this file (JSON lines).")] = None,
     video: Annotated[Path | None, typer.Option("--video", help="Not in this version.")] = None,
@@ -54,7 +61,10 @@ def run(
     with progress(f"setting up {task}, seed {seed}"):
         episode = prepare(learned, task, seed, goal=goal, disturbances=disturb or ())
     checksum = work.checksum(library)
-    result, outcome = run_shown(learned, episode, seed, engine, monitor=not no_monitor, trace=trace, checksum=checksum)
+    config = work.execution_config(no_resampling=no_resampling, no_replanning=no_replanning, no_obstacles=no_obstacles)
+    result, outcome = run_shown(
+        learned, episode, seed, engine, monitor=not no_monitor, trace=trace, checksum=checksum, config=config
+    )
     if json:
         emit_json(outcome_json(episode, result, outcome))
     else:
@@ -64,7 +74,15 @@ def run(
 
 
 def run_shown(
-    library: Library, episode: Episode, seed: int, planner: Planner, *, monitor: bool, trace: Path | None, checksum: str
+    library: Library,
+    episode: Episode,
+    seed: int,
+    planner: Planner,
+    *,
+    monitor: bool,
+    trace: Path | None,
+    checksum: str,
+    config: ExecutionConfig | None = None,
 ) -> tuple[EpisodeResult, Outcome]:
     """Run an episode with its steps shown as they begin; the trace takes its place when the run is over."""
     from symskill_pddl.evaluation.trial import run_episode
@@ -86,6 +104,7 @@ def run_shown(
             seed,
             planner,
             monitor=monitor,
+            config=config,
             trace=writer,
             library_checksum=checksum,
             on_event=shown,
@@ -128,35 +147,56 @@ def tell(result: EpisodeResult, outcome: Outcome) -> None:
 
 def evaluate(
     library: LibraryArgument,
-    tasks: Annotated[str, typer.Option("--tasks", help="all, or names separated by commas.")],
     output: Annotated[Path, typer.Option("-o", "--output", help="The results file to write.")],
+    tasks: Annotated[str | None, typer.Option("--tasks", help="all, or names separated by commas.")] = None,
+    suite: Annotated[
+        str | None, typer.Option("--suite", help="atomic, composed or disturbed: tasks and disturbances by one name.")
+    ] = None,
     trials: Annotated[int, typer.Option("--trials", help="Episodes per task.")] = 20,
     seed: Annotated[int, typer.Option("--seed", help="Seed of the first episode.")] = 1000,
     planner: PlannerOption = None,
     no_monitor: NoMonitorFlag = False,
+    no_resampling: NoResamplingFlag = False,
+    no_replanning: NoReplanningFlag = False,
+    no_obstacles: NoObstaclesFlag = False,
     disturb: DisturbOption = None,
     jobs: Annotated[int, typer.Option("--jobs", help="Processes.")] = 1,
     ray: Annotated[bool, typer.Option("--ray", help="Not in this version.")] = False,
     json: JsonFlag = False,
 ) -> None:
-    """Run many seeded episodes and count; the results do not depend on --jobs."""
+    """Run many seeded episodes and count; the results do not depend on --jobs.
+
+    Until the end, every episode is kept in OUTPUT.partial.jsonl: called again after a kill, with the same settings, the
+    evaluation goes on where it was.
+    """
+    from symskill_pddl.evaluation.partial import Partial, partial_path
     from symskill_pddl.evaluation.results import save_results
-    from symskill_pddl.evaluation.suite import Suite, run_suite, tasks_named
+    from symskill_pddl.evaluation.suite import Suite, chosen, run_suite
 
     if ray:
         raise not_yet("--ray")
-    suite = Suite(tasks_named(tasks), trials, seed, planner or "auto", not no_monitor, tuple(disturb or ()))
+    config = work.execution_config(no_resampling=no_resampling, no_replanning=no_replanning, no_obstacles=no_obstacles)
+    preset = chosen(tasks, suite)
+    disturbances = (*preset.disturbances, *(disturb or ()))
+    asked = Suite(preset.tasks, trials, seed, planner or "auto", not no_monitor, disturbances, config)
     require_folder(output)
     work.open_library(library)
-    count = len(suite.episodes)
-    with progress(f"{count} episodes", total=count) as advance:
+    count, checksum = len(asked.episodes), work.checksum(library)
+    with Partial(partial_path(output), asked.settings(checksum), asked.tasks) as partial:
+        so_far = f", {len(partial.done)} of them done before" if partial.done else ""
+        with progress(f"{count} episodes{so_far}", total=count) as advance:
+            advance(len(partial.done))
 
-        def done(task: str, episode: EpisodeResult) -> None:
-            advance(1)
-            advance.remark(f"{task} {episode.seed}: {episode.category} ({episode.time_s:.0f} s)")
+            def done(task: str, episode: EpisodeResult) -> None:
+                partial.add(task, episode)
+                advance(1)
+                advance.remark(f"{task} {episode.seed}: {episode.category} ({episode.time_s:.0f} s)")
 
-        results = run_suite(work.open_library, library, suite, checksum=work.checksum(library), jobs=jobs, on_episode=done)
-    save_results(output, results)
+            results = run_suite(
+                work.open_library, library, asked, checksum=checksum, jobs=jobs, done=dict(partial.done), on_episode=done
+            )
+        save_results(output, results)
+        partial.remove()
     if json:
         emit_json(results.model_dump(mode="json"))
     else:

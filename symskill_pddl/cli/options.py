@@ -24,6 +24,9 @@ DisturbOption = Annotated[
     list[str] | None, typer.Option("--disturb", metavar="SPEC", help="For example close-door@op=2; may be repeated.")
 ]
 NoMonitorFlag = Annotated[bool, typer.Option("--no-monitor", help="Carry out the first plan blindly.")]
+NoResamplingFlag = Annotated[bool, typer.Option("--no-resampling", help="Try a failed motion again as it was.")]
+NoReplanningFlag = Annotated[bool, typer.Option("--no-replanning", help="Keep the first plan; retry its steps, or give up.")]
+NoObstaclesFlag = Annotated[bool, typer.Option("--no-obstacles", help="Do not flow around other objects.")]
 
 
 def pairs(texts: Iterable[str], option: str, form: str) -> dict[str, str]:

@@ -11,6 +11,8 @@ from symskill_pddl.cli.options import make_folder, read_text, write_text
 from symskill_pddl.errors import InputError
 
 if TYPE_CHECKING:
+    from symskill_pddl.evaluation.results import Settings
+    from symskill_pddl.execution.config import ExecutionConfig
     from symskill_pddl.learning import LearnReport
     from symskill_pddl.library import Library
     from symskill_pddl.pddl import Names
@@ -147,6 +149,13 @@ def read_plan_file(path: Path, domain: Domain, problem: Problem) -> Plan:
     return read_plan(read_text(path, "plan"), domain, problem.object_types, str(path))
 
 
+def execution_config(*, no_resampling: bool, no_replanning: bool, no_obstacles: bool) -> ExecutionConfig:
+    """The settings of an execution with some of its mechanisms switched off."""
+    from symskill_pddl.execution.config import ExecutionConfig, MotionConfig
+
+    return ExecutionConfig(resample=not no_resampling, replan=not no_replanning, motion=MotionConfig(avoid=not no_obstacles))
+
+
 def checksum(folder: Path) -> str:
     """Tells one library from another: of library.json, which holds the checksums of all other files."""
     from hashlib import sha256
@@ -182,6 +191,7 @@ def write_report(source: Path, output: Path, library: Library | None = None) -> 
             ("seeds", f"{settings.seed} to {settings.seed + settings.trials - 1}"),
             ("planner", settings.planner),
             ("monitor", "on" if settings.monitor else "off"),
+            ("switched off", ", ".join(switched_off(settings)) or "nothing"),
             ("disturbances", ", ".join(settings.disturbances) or "none"),
             ("intervals", f"Wilson, {100 * results.confidence:.0f} %"),
             ("library", settings.library),
@@ -192,6 +202,11 @@ def write_report(source: Path, output: Path, library: Library | None = None) -> 
 
         page = run_page(read_trace(source), library)
     write_page(output, page)
+
+
+def switched_off(settings: Settings) -> list[str]:
+    """The mechanisms that an evaluation did without, besides the monitor."""
+    return [name for name in ("resampling", "replanning", "obstacles") if not getattr(settings, name)]
 
 
 def is_results(path: Path) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -66,6 +66,48 @@ class Demo:
     T_world_objects: Pose
     extents: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     attributes: dict[str, str | int | float] = field(default_factory=dict)
+
+    @classmethod
+    def from_scenes(
+        cls,
+        scenes: Sequence[Scene],
+        *,
+        name: str,
+        task: str,
+        source: str = "recording",
+        extents: Mapping[str, tuple[float, float, float]] | None = None,
+        attributes: Mapping[str, str | int | float] | None = None,
+    ) -> Demo:
+        """What a world showed while somebody drove it: the scenes that its `observe` and `step` returned, in order.
+
+        Raises
+        ------
+        InputError
+            As above; fewer than two scenes, or scenes of different objects.
+        """
+        where = f"{source}:{name}"
+        if len(scenes) < 2:
+            raise InputError(f"{where}: a demonstration needs at least 2 scenes, got {len(scenes)}")
+        objects = scenes[0].objects
+        for i, scene in enumerate(scenes):
+            if list(scene.objects.items()) != list(objects.items()):
+                raise InputError(
+                    f"{where}: scene {i} has the objects {alternatives(scene.objects)}, scene 0 has {alternatives(objects)}; "
+                    "the same, with the same types and in the same order, are needed"
+                )
+        return cls(
+            name=name,
+            source=source,
+            task=task,
+            times=np.array([s.time for s in scenes]),
+            T_world_ee=Pose.stack([s.T_world_ee for s in scenes]),
+            aperture=np.array([s.aperture for s in scenes]),
+            gripper_closed=np.array([s.gripper_closed for s in scenes], bool),
+            objects=objects,
+            T_world_objects=Pose.stack([s.T_world_objects for s in scenes]),
+            extents=dict(extents or {}),
+            attributes=dict(attributes or {}),
+        )
 
     def __post_init__(self) -> None:
         for name in ("times", "aperture"):

@@ -57,6 +57,9 @@ class Settings(_Part):
     """Checksum of the library."""
     planner: str
     monitor: bool
+    resampling: bool = True
+    replanning: bool = True
+    obstacles: bool = True
     disturbances: tuple[str, ...]
     seed: int
     trials: int

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
-from multiprocessing import get_context
+from dataclasses import dataclass, field
+from multiprocessing import get_context, parent_process
 from pathlib import Path
+from threading import Thread
 
 from symskill_pddl.errors import InputError, MissingDependencyError, SymSkillError, alternatives
 from symskill_pddl.evaluation.results import EpisodeResult, Results, Settings, TaskResult, summarise
 from symskill_pddl.evaluation.trial import prepare, run_episode
+from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.kitchen import TASKS, parse_disturbance, task_named
 from symskill_pddl.library import Library
 from symskill_pddl.planning import get
@@ -29,6 +32,7 @@ class Suite:
     planner: str = "auto"
     monitor: bool = True
     disturbances: tuple[str, ...] = ()
+    config: ExecutionConfig = field(default_factory=ExecutionConfig)
 
     def __post_init__(self) -> None:
         if self.trials < 1 or self.seed < 0:
@@ -48,6 +52,54 @@ class Suite:
         """(task, seed) of every episode, in order."""
         return tuple((task, self.seed + i) for task in self.tasks for i in range(self.trials))
 
+    def settings(self, checksum: str) -> Settings:
+        """What its results file says of it; `checksum` is the library's."""
+        return Settings(
+            library=checksum,
+            planner=get(self.planner).name,
+            monitor=self.monitor,
+            resampling=self.config.resample,
+            replanning=self.config.replan,
+            obstacles=self.config.motion.avoid,
+            disturbances=self.disturbances,
+            seed=self.seed,
+            trials=self.trials,
+        )
+
+
+@dataclass(frozen=True)
+class Preset:
+    """Tasks and disturbances that go by one name."""
+
+    tasks: tuple[str, ...]
+    disturbances: tuple[str, ...] = ()
+
+
+_COMPOSED = tuple(name for name, task in TASKS.items() if task.composite)
+PRESETS = {
+    "atomic": Preset(tuple(name for name, task in TASKS.items() if not task.composite)),
+    "composed": Preset(_COMPOSED),
+    # when the fifth step starts the door has just been opened, and the hand is about to reach inside
+    "disturbed": Preset(_COMPOSED, ("close-door@op=4",)),
+}
+
+
+def chosen(tasks: str | None, preset: str | None) -> Preset:
+    """What an evaluation is asked for: tasks by name, or one of `PRESETS`.
+
+    Raises
+    ------
+    InputError
+        Neither or both are given, or one is unknown.
+    """
+    if (tasks is None) == (preset is None):
+        raise InputError(f"an evaluation needs either --tasks or --suite; suites: {alternatives(PRESETS)}")
+    if preset is None:
+        return Preset(tasks_named(tasks or ""))
+    if preset not in PRESETS:
+        raise InputError(f"unknown suite '{preset}'; there are: {alternatives(PRESETS)}")
+    return PRESETS[preset]
+
 
 def tasks_named(text: str) -> tuple[str, ...]:
     """``all`` or a comma-separated list of the kitchen's tasks."""
@@ -66,6 +118,7 @@ def run_suite(
     *,
     checksum: str = "",
     jobs: int = 1,
+    done: Mapping[tuple[str, int], EpisodeResult] | None = None,
     on_episode: Callable[[str, EpisodeResult], None] | None = None,
 ) -> Results:
     """Run every episode of a suite.
@@ -76,46 +129,49 @@ def run_suite(
         How and from where each process gets the library; `load` has to be a function of a module.
     jobs : int
         Number of processes; 1 runs in this one.
+    done : mapping, optional
+        Results, by task and seed, of episodes that need not be run again.
     on_episode : callable, optional
         Told the task and the result whenever an episode is done, in any order.
     """
     if jobs < 1:
         raise InputError(f"an evaluation needs at least one job, got {jobs}")
-    found: dict[tuple[str, int], EpisodeResult] = {}
-    for task, result in _run_all(load, path, suite, min(jobs, len(suite.episodes))):
+    found = dict(done or {})
+    left = [key for key in suite.episodes if key not in found]
+    for task, result in _run_all(load, path, suite, left, min(jobs, len(left))):
         found[task, result.seed] = result
         if on_episode is not None:
             on_episode(task, result)
     tasks: list[TaskResult] = [summarise(task, (found[key] for key in suite.episodes if key[0] == task)) for task in suite.tasks]
-    settings = Settings(
-        library=checksum,
-        planner=get(suite.planner).name,
-        monitor=suite.monitor,
-        disturbances=suite.disturbances,
-        seed=suite.seed,
-        trials=suite.trials,
-    )
-    return Results(settings=settings, tasks=tuple(tasks))
+    return Results(settings=suite.settings(checksum), tasks=tuple(tasks))
 
 
-def _run_all(load: Callable[[Path], Library], path: Path, suite: Suite, jobs: int) -> Iterator[tuple[str, EpisodeResult]]:
+def _run_all(
+    load: Callable[[Path], Library], path: Path, suite: Suite, episodes: Sequence[tuple[str, int]], jobs: int
+) -> Iterator[tuple[str, EpisodeResult]]:
+    if not episodes:
+        return
     if jobs == 1:
         library = load(path)
-        for task, seed in suite.episodes:
+        for task, seed in episodes:
             yield task, run_one(library, suite, task, seed)
         return
     # spawned, not forked: a fork copies whatever threads and locks this process has
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_start, initargs=(load, path, suite)) as pool:
-        futures = {pool.submit(_work, task, seed): task for task, seed in suite.episodes}
-        for future in as_completed(futures):
-            yield futures[future], future.result()
+        futures = {pool.submit(_work, task, seed): task for task, seed in episodes}
+        try:
+            for future in as_completed(futures):
+                yield futures[future], future.result()
+        finally:
+            # when one stops in the middle, what has not begun does not begin
+            pool.shutdown(wait=False, cancel_futures=True)
 
 
 def run_one(library: Library, suite: Suite, task: str, seed: int) -> EpisodeResult:
     """One episode of a suite; what cannot be set up counts as failed, with its reason."""
     try:
         episode = prepare(library, task, seed, disturbances=suite.disturbances)
-        result, _ = run_episode(library, episode, seed, get(suite.planner), monitor=suite.monitor)
+        result, _ = run_episode(library, episode, seed, get(suite.planner), monitor=suite.monitor, config=suite.config)
     except MissingDependencyError:
         raise  # no episode would run
     except SymSkillError as error:
@@ -132,6 +188,15 @@ _process: tuple[Library, Suite]
 def _start(load: Callable[[Path], Library], path: Path, suite: Suite) -> None:
     global _process
     _process = (load(path), suite)
+    # a worker whose evaluation was killed would wait for work for ever
+    Thread(target=_die_with_parent, daemon=True).start()
+
+
+def _die_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _work(task: str, seed: int) -> EpisodeResult:

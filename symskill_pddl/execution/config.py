@@ -81,6 +81,11 @@ class ExecutionConfig:
         How far to go back along the own path, and along the hand's axis after opening the fingers [m].
     assume : bool
         Whether to plan with the nearest known relation of an object that rests in none.
+    resample : bool
+        Whether a blamed step's goal is moved by a sample of its effect predicate; False tries the same motion again.
+    replan : bool
+        Whether to plan again when a plan is left. False keeps the first plan: a step that fails is tried again as long as its
+        preconditions hold, and the run ends where they do not.
     motion : MotionConfig
     """
 
@@ -103,6 +108,8 @@ class ExecutionConfig:
     retreat_m: float = 0.2
     back_off_m: float = 0.08
     assume: bool = True
+    resample: bool = True
+    replan: bool = True
     motion: MotionConfig = field(default_factory=MotionConfig)
 
     def __post_init__(self) -> None:

@@ -19,6 +19,7 @@ from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.deliberation import Deliberation, Planned
 from symskill_pddl.execution.journal import Journal
 from symskill_pddl.execution.monitor import (
+    Blame,
     Continue,
     EffectsHold,
     JumpAhead,
@@ -27,6 +28,7 @@ from symskill_pddl.execution.monitor import (
     Stalled,
     Tick,
     Verdict,
+    Violation,
     Watch,
     check_start,
     judge,
@@ -87,9 +89,11 @@ def execute(
     begin = perf_counter()
     _check(library, domain, goal, objects, world.observe())
     journal = Journal(trace, on_event)
+    config = config or ExecutionConfig()
     told = {"goal": rows(goal), "objects": dict(objects), "monitor": monitor, "period_s": world.period_s}
+    told |= {"resampling": config.resample, "replanning": config.replan, "obstacles": config.motion.avoid}
     journal.emit((header or Header()).model_copy(update=told))
-    run = _Run(world, library, domain, goal, planner, config or ExecutionConfig(), objects, rng, journal, on_step)
+    run = _Run(world, library, domain, goal, planner, config, objects, rng, journal, on_step)
     category, reason = run.closed_loop() if monitor else run.open_loop()
     outcome = Outcome(
         success=category is Category.SUCCESS,
@@ -150,6 +154,8 @@ class _Run:
                 return Category.REPLANS, f"gave up after {self.config.max_replans} new plans; the last reason: {reason}"
             if self.body.elapsed > self.config.max_time_s:
                 return Category.TIME, f"{self.config.max_time_s:g} s are over; the last reason: {reason}"
+            if rounds and not self.config.replan:
+                return Category.MISSED, f"the only plan was left: {reason}"
             self.replans, rounds = rounds, rounds + 1
             planned = self.mind.plan(reason) or self.mind.recover(reason)
             if planned is not None and planned.steps:
@@ -206,8 +212,20 @@ class _Run:
                     self.belief.blame(watch, verdict)
                     if isinstance(verdict, Stalled) and verdict.blocked:
                         self.mind.retreat(verdict.reason)
+                    if self.try_again(watch, verdict):
+                        continue
                     return f"{watch.step}: {verdict.reason}"
         return "the plan ended without the goal"
+
+    def try_again(self, watch: Watch, verdict: Verdict) -> bool:
+        """Whether to try the same step once more, where nothing may be planned again."""
+        tries = self.belief.failures.count(key_of(watch.step))
+        own = isinstance(verdict, Stalled | OverTime) or (isinstance(verdict, Violation) and verdict.blame is Blame.OWN)
+        if self.config.replan or not own or tries > self.config.max_replans or self.body.elapsed > self.config.max_time_s:
+            return False
+        if self.belief.empty_fist(self.body.state):
+            self.mind.open_up("the fingers are closed on nothing")
+        return watch.step.pre <= self.body.state | watch.assumed
 
     def run_step(self, watch: Watch, run: SkillRun) -> Verdict:
         """Tick until the monitor says anything but `Continue`."""
@@ -247,7 +265,7 @@ class _Run:
         binding = dict(zip((p.name for p in learned.operator.parameters), step.args, strict=True))
         attempt = self.belief.failures.count(key_of(step))
         shift = None
-        if attempt:
+        if attempt and config.resample:
             radius = min(config.sample_most, attempt * config.sample_growth)
             shift = goal_shift(step, skill, binding, self.library.classifiers, self.body.scene, self.rng, radius)
         spared = frozenset(step.args) | self.belief.held(state)

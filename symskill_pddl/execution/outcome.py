@@ -20,7 +20,7 @@ class Category(StrEnum):
     REPLANS = "replan limit"
     TIME = "time limit"
     MISSED = "goal missed"
-    """Without monitor: the plan was carried out and the goal does not hold."""
+    """Without monitor, or without planning again: the plan is over or was left, and the goal does not hold."""
 
 
 @dataclass(frozen=True)

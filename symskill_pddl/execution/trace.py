@@ -7,8 +7,8 @@ measurements and differ between runs; everything else is a function of the input
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Annotated, Any, Literal, TextIO
@@ -20,20 +20,17 @@ from symskill_pddl.execution.monitor import (
     Continue,
     EffectsHold,
     JumpAhead,
-    Memory,
     Stalled,
     Tick,
     Verdict,
     Violation,
     Watch,
-    check_start,
-    judge,
 )
 from symskill_pddl.symbols import Atom, GroundOperator, State
 
 SCHEMA = 1
 
-Row = tuple[str, ...]
+Row = Annotated[tuple[str, ...], Field(min_length=1)]
 """An atom in JSON: predicate, then arguments."""
 
 
@@ -54,6 +51,9 @@ class Header(_Line):
     """Checksum of the library."""
     planner: str = ""
     monitor: bool = True
+    resampling: bool = True
+    replanning: bool = True
+    obstacles: bool = True
     period_s: float = 0.0
 
 
@@ -264,40 +264,6 @@ def read_trace(path: str | Path) -> Trace:
     if lines[0].schema_version != SCHEMA:
         raise FormatError(f"{path}:1: trace of version {lines[0].schema_version}, this program reads version {SCHEMA}")
     return Trace(lines[0], tuple(lines[1:]), note)
-
-
-@dataclass(frozen=True)
-class Replayed:
-    """One decision, as recorded and as the monitor decides it again."""
-
-    line: int
-    """Index into `Trace.lines`."""
-    recorded: VerdictLine
-    again: VerdictLine
-    same: bool = field(init=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "same", self.recorded == self.again)
-
-
-def replay(trace: Trace) -> tuple[Replayed, ...]:
-    """Decide every recorded step start and tick again, with the pure monitor. Empty for a run without monitor."""
-    if not trace.header.monitor:
-        return ()
-    return tuple(_replay(trace))
-
-
-def _replay(trace: Trace) -> Iterator[Replayed]:
-    watch, state, memory = None, frozenset[Atom](), Memory()
-    for number, line in enumerate(trace.lines):
-        if isinstance(line, StepLine):
-            watch, state, memory = load_watch(line), unrows(line.state), Memory()
-            yield Replayed(number, line.verdict, verdict_line(check_start(watch, state)))
-        elif isinstance(line, TickLine) and watch is not None:
-            state = (state - unrows(line.removed)) | unrows(line.added)
-            judgement = judge(watch, load_tick(line, state), memory)
-            memory = judgement.memory
-            yield Replayed(number, line.verdict, verdict_line(judgement.verdict))
 
 
 def rows(atoms: Iterable[Atom]) -> tuple[Row, ...]:

@@ -14,7 +14,8 @@ from typing import Any
 import pytest
 
 from symskill_pddl.cli.work import learn_from, shipped_demos
-from symskill_pddl.execution.trace import read_trace, replay
+from symskill_pddl.execution.replay import replay
+from symskill_pddl.execution.trace import read_trace
 
 ROOT = Path(__file__).parent.parent.parent
 pytestmark = pytest.mark.simulation
@@ -96,9 +97,12 @@ def test_a_goal_that_cannot_be_reached(symskill: Callable[..., Any], kitchen: Pa
     done = symskill("plan", tmp_path / "domain.pddl", problem)
     assert done.status == 1
     assert "the nearest goal that can be reached: (gripper-holds-food" in done.err
-    done = symskill("run", kitchen, "--task", "StoreCheese", "--goal", goal, "--json")
+    trace, off = tmp_path / "trace.jsonl", ("--no-resampling", "--no-replanning", "--no-obstacles")
+    done = symskill("run", kitchen, "--task", "StoreCheese", "--goal", goal, *off, "--trace", trace, "--json")
     assert done.status == 1
     assert json.loads(done.out)["category"] == "goal unreachable"
+    header = read_trace(trace).header
+    assert (header.monitor, header.resampling, header.replanning, header.obstacles) == (True, False, False, False)
 
 
 def test_store_cheese_survives_a_door_shut_in_the_middle(symskill: Callable[..., Any], kitchen: Path, tmp_path: Path) -> None:

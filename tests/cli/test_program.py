@@ -26,6 +26,7 @@ COMMANDS = (
     "check",
     "run",
     "evaluate",
+    "replay",
     "report",
 )
 

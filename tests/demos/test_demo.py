@@ -3,9 +3,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from symskill_pddl.demos import merged_extents
+from symskill_pddl.demos import Demo, merged_extents
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose
+from symskill_pddl.scene import Scene
 
 
 def test_scene_and_pose_speak_of_the_same_moment(demo):
@@ -84,3 +85,30 @@ def test_what_does_not_fit_is_refused(demo, changes, message):
 def test_merged_extents_take_the_largest(demo):
     merged = merged_extents((demo(), demo(extents={"food": (0.01, 0.05, 0.02), "counter": (1, 1, 1)})))
     assert merged == {"counter": (1.0, 1.0, 1.0), "food": (0.03, 0.05, 0.02)}
+
+
+class TestFromScenes:
+    def test_scenes_come_back(self) -> None:
+        scenes = [a_scene(t) for t in (0.0, 0.05, 0.1)]
+        demo = Demo.from_scenes(scenes, name="demo_0", task="Move", extents={"cube": (0.1, 0.1, 0.1)}, attributes={"seed": 3})
+        assert len(demo) == 3
+        assert (demo.name, demo.task, demo.source, demo.attributes) == ("demo_0", "Move", "recording", {"seed": 3})
+        for i, scene in enumerate(scenes):
+            again = demo.scene(i)
+            assert (again.time, again.aperture, again.gripper_closed) == (scene.time, scene.aperture, scene.gripper_closed)
+            assert again.objects == scene.objects
+            np.testing.assert_array_equal(again.T_world_ee.vector(), scene.T_world_ee.vector())
+            np.testing.assert_array_equal(again.T_world_objects.vector(), scene.T_world_objects.vector())
+
+    def test_one_scene_is_none(self) -> None:
+        with pytest.raises(InputError, match="at least 2 scenes, got 1"):
+            Demo.from_scenes([a_scene(0.0)], name="demo_0", task="Move")
+
+    def test_objects_have_to_stay_the_same(self) -> None:
+        with pytest.raises(InputError, match="scene 1 has the objects cup, scene 0 has box"):
+            Demo.from_scenes([a_scene(0.0), a_scene(0.1, name="cup")], name="demo_0", task="Move")
+
+
+def a_scene(time: float, name: str = "box") -> Scene:
+    hand, thing = Pose.from_rotvec([time, 0, 0], [0, time, 0]), Pose.from_rotvec([0, time, 0], [0, 0, time])
+    return Scene(time, hand, 0.08 - time / 10, time > 0, {name: "cube"}, Pose.stack([thing]))

@@ -4,7 +4,8 @@ import pytest
 
 from symskill_pddl.errors import InputError, MissingDependencyError
 from symskill_pddl.evaluation import suite as suites
-from symskill_pddl.evaluation.suite import ERROR, Suite, run_one, run_suite, tasks_named
+from symskill_pddl.evaluation.suite import ERROR, PRESETS, Suite, chosen, run_one, run_suite, tasks_named
+from symskill_pddl.execution.config import ExecutionConfig, MotionConfig
 from symskill_pddl.kitchen import TASKS
 from symskill_pddl.library import Library
 
@@ -21,6 +22,36 @@ def test_tasks_are_all_or_named() -> None:
     assert tasks_named("StoreCheese, OpenSingleDoor") == ("StoreCheese", "OpenSingleDoor")
     with pytest.raises(InputError, match="no task named"):
         tasks_named(" , ")
+
+
+def test_every_preset_is_a_suite() -> None:
+    for preset in PRESETS.values():
+        Suite(preset.tasks, 1, 0, disturbances=preset.disturbances)
+    assert set(PRESETS["atomic"].tasks) | set(PRESETS["composed"].tasks) == set(TASKS)
+    assert chosen(None, "disturbed").disturbances
+    assert chosen("StoreCheese", None).tasks == ("StoreCheese",)
+
+
+@pytest.mark.parametrize(("tasks", "preset"), [(None, None), ("all", "atomic"), (None, "impossible")])
+def test_one_of_tasks_and_preset(tasks: str | None, preset: str | None) -> None:
+    with pytest.raises(InputError, match="atomic, composed, disturbed"):
+        chosen(tasks, preset)
+
+
+def test_the_settings_say_what_is_switched_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    heard: list[ExecutionConfig] = []
+
+    def refuse(*_: object, config: ExecutionConfig, **__: object) -> None:
+        heard.append(config)
+        raise InputError("no episode within reach")
+
+    monkeypatch.setattr(suites, "prepare", lambda *_, **__: None)
+    monkeypatch.setattr(suites, "run_episode", refuse)
+    config = ExecutionConfig(resample=False, motion=MotionConfig(avoid=False))
+    results = run_suite(load_empty, Path("library"), Suite(("StoreCheese",), 1, 5, config=config))
+    assert heard == [config]
+    found = results.settings
+    assert (found.resampling, found.replanning, found.obstacles) == (False, True, False)
 
 
 def test_a_suite_has_every_task_with_every_seed() -> None:

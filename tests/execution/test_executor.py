@@ -8,7 +8,8 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.execution.config import ExecutionConfig, MotionConfig
 from symskill_pddl.execution.executor import execute
 from symskill_pddl.execution.outcome import Category
-from symskill_pddl.execution.trace import TraceWriter, read_trace, replay
+from symskill_pddl.execution.replay import replay
+from symskill_pddl.execution.trace import TraceWriter, read_trace
 from symskill_pddl.geometry import Pose
 from symskill_pddl.planning import Builtin
 from symskill_pddl.scene import Command

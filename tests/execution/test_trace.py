@@ -16,6 +16,7 @@ from symskill_pddl.execution.monitor import (
     Violation,
     Watch,
 )
+from symskill_pddl.execution.replay import replay
 from symskill_pddl.execution.trace import (
     Header,
     OutcomeLine,
@@ -23,7 +24,6 @@ from symskill_pddl.execution.trace import (
     load_tick,
     load_watch,
     read_trace,
-    replay,
     step_line,
     tick_line,
     verdict_line,
