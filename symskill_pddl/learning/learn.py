@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from symskill_pddl.abstraction import Classifier
 from symskill_pddl.demos import Demo, merged_extents
 from symskill_pddl.errors import LearningError
+from symskill_pddl.learning.endings import EndingConfig, complete
 from symskill_pddl.learning.goals import learn_goals
 from symskill_pddl.learning.naming import contact_names, place_names
 from symskill_pddl.learning.operators import OperatorConfig, OperatorGroup, learn_operators
@@ -35,6 +36,7 @@ class LearnConfig:
     """All settings of learning, stage by stage."""
 
     segments: SegmentConfig = field(default_factory=SegmentConfig)
+    endings: EndingConfig = field(default_factory=EndingConfig)
     predicates: PredicateConfig = field(default_factory=PredicateConfig)
     operators: OperatorConfig = field(default_factory=OperatorConfig)
     skills: SkillConfig = field(default_factory=SkillConfig)
@@ -81,7 +83,7 @@ def learn_reported(
     demos = _sorted(demos)
     extents = merged_extents(demos)
     clock.stage("segments")
-    episodes = segment_all(demos, config.segments)
+    episodes = complete(segment_all(demos, config.segments), config.endings, config.segments)
     clock.stage("predicates")
     relations = learn_relations(demos, episodes, extents, config.predicates)
     places = place_names(relations, extents)

@@ -1,6 +1,6 @@
 """What an object rests at: the reference of each resting place (METHOD section 3, the default selector).
 
-Every other object of the scene is a candidate. A candidate scores
+Every other object of the scene, but the object's own parts, is a candidate. A candidate scores
 
 - ``dispersion``: how much tighter the rest poses of one group are in its frame than in the worst candidate's, weighted by
   ``(n - 1) / (n + 1)``, so that one demonstration leaves the decision to the priors;
@@ -100,7 +100,7 @@ def _prior_scores(demo: Demo, rest: Rest, hinged: bool, extents: Extents, config
     own = demo.objects[rest.obj]
     scores = {}
     for name, type_ in demo.objects.items():
-        if name == rest.obj:
+        if name == rest.obj or name in rest.parts:
             continue
         T_ref_obj = _pose_of(demo, name, rest).inverse() @ rest.T_world_obj
         contact = _contact(
