@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symskill_pddl.abstraction import Classifier
-from symskill_pddl.demos import Demo, merged_extents
+from symskill_pddl.demos import Demo, decode_demos, encode_demos, merged_extents
 from symskill_pddl.errors import LearningError
 from symskill_pddl.learning.endings import EndingConfig, complete
 from symskill_pddl.learning.goals import learn_goals
@@ -74,6 +74,30 @@ def learn(
     return learn_reported(demos, config, jobs=jobs, progress=progress)[0]
 
 
+def added(library: Library, new: Sequence[Demo]) -> tuple[Demo, ...]:
+    """The demonstrations that a library was learned from, and new ones: what to learn from for a library of both.
+
+    Raises
+    ------
+    LearningError
+        If the library does not hold its demonstrations, or a new one is among them, by its name or by its content.
+    """
+    old = [demo for source, content in library.recordings.items() for demo in decode_demos(content, source)]
+    if not old:
+        raise LearningError("the library does not hold the demonstrations it was learned from; learn it again from their files")
+    seen = {_digest(demo): demo.where for demo in old}
+    names = set(seen.values())
+    for demo in new:
+        digest = _digest(demo)
+        if digest in seen:
+            known = f"'{demo.where}'" if seen[digest] == demo.where else f"'{demo.where}', there called '{seen[digest]}'"
+            raise LearningError(f"there is the demonstration {known}, already: every demonstration counts once")
+        if demo.where in names:
+            raise LearningError(f"the library has another demonstration called '{demo.where}': give the new file another name")
+        seen[digest] = demo.where
+    return (*old, *new)
+
+
 def learn_reported(
     demos: Sequence[Demo], config: LearnConfig | None = None, *, jobs: int = 1, progress: Callable[[str], None] | None = None
 ) -> tuple[Library, LearnReport]:
@@ -104,7 +128,10 @@ def learn_reported(
     goals = learn_goals(demos, episodes, truths, places)
     clock.stage("")
     types = tuple(Type(name) for name in sorted({t for demo in demos for t in demo.objects.values()}))
-    library = Library(types, classifiers, learned, skills, goals, gripper, extents)
+    margins = {name: p.margin for name, p in zip(places, relations.places, strict=True) if np.isfinite(p.margin)}
+    sources = sorted({demo.source for demo in demos})
+    recordings = {source: encode_demos([d for d in demos if d.source == source], source) for source in sources}
+    library = Library(types, classifiers, learned, skills, goals, gripper, extents, margins, recordings)
     return library, LearnReport(episodes, notes, tuple(clock.spent))
 
 
