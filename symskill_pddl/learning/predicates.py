@@ -154,8 +154,7 @@ def _placements(
             for o, t in demo.objects.items()
             if t == type_ and (demo.where, o) not in moved
         ]
-    ways = [way for e in episodes if (way := e.way(type_)) is not None]
-    alone = [fit_joint([way], config.articulation) is not None for way in ways]
+    alone = [fit_joint([way], config.articulation) is not None for e in episodes if (way := e.way(type_)) is not None]
     if np.mean(alone) >= 0.8:
         found = place(rests, True, extents, config.references)
         joints = _joints(episodes, found, type_, config)
@@ -197,7 +196,7 @@ def _cluster_pair(
     labels = clusters(distances, gap, config.ratio, floor)
     core = [[p for p, label in zip(moved, labels, strict=True) if label == k] for k in range(labels.max() + 1)]
     alone = [len(members) == 1 and odd[members[0].demo.where] and len(core) > 1 for members in core]
-    groups: list[tuple[int | None, list[Placement]]] = []
+    groups: list[tuple[int, list[Placement]]] = []
     for members, is_alone in zip(core, alone, strict=True):
         if is_alone:
             only = members[0]
@@ -211,16 +210,12 @@ def _cluster_pair(
     for p in static:
         _adopt(p, groups, joint, config)
     for index, members in groups:
-        if index is None:
-            continue
         for p in members:
             of_rest[id(p.rest)] = (index, p.ref)
         places.append(_place_of(members, joint, config))
 
 
-def _adopt(
-    p: Placement, groups: Sequence[tuple[int | None, list[Placement]]], joint: Joint | None, config: PredicateConfig
-) -> None:
+def _adopt(p: Placement, groups: Sequence[tuple[int, list[Placement]]], joint: Joint | None, config: PredicateConfig) -> None:
     """An untouched object widens the nearest cluster, if it is near enough; it never founds one."""
     best: tuple[float, list[Placement]] | None = None
     for _, members in groups:

@@ -54,6 +54,29 @@ def test_what_is_held_rests_nowhere():
     assert only(r).after is None
 
 
+def test_a_recording_that_ends_early_does_not_hide_what_others_show():
+    def placed(name, leaves):
+        r = lifted()
+        r.go(Pose([0.5, -0.3, 0.02], r.T.q))
+        r.release()
+        r.rest(0.4)
+        if leaves:
+            r.back_off(0.1)
+            r.rest(1.0)
+        return r.demo(name, "s", "Move")
+
+    holds = Atom("gripper-holds-cube", ("?cube",))
+    early, _ = learn_reported([placed("demo_0", False)], FAST)
+    both, report = learn_reported([placed("demo_0", False), placed("demo_1", True)], FAST)
+    (place,) = (o for o in early.operators if o.kind == "place")
+    assert holds not in place.operator.delete
+    (place,) = (o for o in both.operators if o.kind == "place")
+    assert holds in place.operator.delete
+    assert [e.demo for e in place.evidence] == ["s:demo_1"]
+    assert not any("no retreat" in note for note in place.notes)
+    assert any("before the hand has left, others show it" in note for note in report.notes)
+
+
 def door_demo(latch_first: bool):
     """A latch on a door on a frame; pulled by the latch, which turns first or not at all. Ends while the door moves."""
     r = Recorder(
