@@ -7,7 +7,7 @@ from synthetic import record
 from symskill_pddl.errors import FormatError, InputError
 from symskill_pddl.learning import LearnConfig, learn
 from symskill_pddl.learning.skills import SkillConfig
-from symskill_pddl.library import INDEX, SKILLS, Library
+from symskill_pddl.library import DEMOS, INDEX, SKILLS, Library
 from symskill_pddl.skills import FitConfig
 from symskill_pddl.symbols import Absent, Atom, Parameter
 
@@ -68,7 +68,7 @@ def test_a_newer_library_replaces_an_older_one_whole(library, other, saved):
 
 
 def test_a_crash_before_the_last_write_leaves_the_old_library(library, other, saved, monkeypatch):
-    import symskill_pddl.library as module
+    import symskill_pddl.library_io as module
 
     real = module.write_atomic
 
@@ -155,3 +155,22 @@ def test_a_folder_that_cannot_be_made(library, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot make the folder"):
         library.save(tmp_path / "file")
+
+
+def test_a_library_keeps_its_demonstrations_and_the_leads_of_its_references(library, saved):
+    again = Library.load(saved)
+    assert dict(again.recordings) == dict(library.recordings)
+    assert set(again.recordings) == {e.demo.split(":")[0] for o in again.operators for e in o.evidence}
+    assert dict(again.margins) == dict(library.margins)
+    assert set(again.margins) <= {c.predicate.name for c in again.classifiers}
+    assert all(margin > 0.0 for margin in again.margins.values())
+
+
+def test_a_damaged_demonstration_is_named(saved):
+    (file,) = (saved / DEMOS).iterdir()
+    file.write_bytes(file.read_bytes()[:-1])
+    with pytest.raises(FormatError, match=rf"{file.name}' is damaged or belongs to another library"):
+        Library.load(saved)
+    file.unlink()
+    with pytest.raises(FormatError, match=rf"cannot read '.*{file.name}', which library.json names"):
+        Library.load(saved)

@@ -9,6 +9,7 @@ import typer
 
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.cli.options import JsonFlag, LibraryArgument, pairs, require_folder
+from symskill_pddl.errors import InputError
 
 
 def record(
@@ -51,25 +52,45 @@ def import_recording(
 
 def learn(
     files: Annotated[list[Path], typer.Argument(metavar="DEMOS...", help="Files of demonstrations.")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="The library's folder.")],
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="The library's folder.")] = None,
+    into: Annotated[
+        Path | None, typer.Option("--into", metavar="LIBRARY", help="Add the demonstrations to those of this library.")
+    ] = None,
 ) -> None:
     """Learn predicates, operators and skills from demonstrations."""
     from symskill_pddl.cli.work import learn_from
 
-    library, report = learn_from(files, output)
+    target = output if into is None else into
+    if target is None or (output is not None and into is not None):
+        raise InputError("say where the library goes: -o FOLDER for a new one, or --into LIBRARY to add to one")
+    library, report = learn_from(files, target, into=into is not None)
     for note in report.notes:
         remark(note)
     spent = sum(seconds for _, seconds in report.seconds)
     counts = f"{len(library.classifiers)} predicates, {len(library.operators)} operators, {len(library.skills)} skills"
-    remark(f"{output}: {counts}, {spent:.1f} s")
+    remark(f"{target}: {counts}, {spent:.1f} s")
 
 
-def show(library: LibraryArgument, json: JsonFlag = False) -> None:
+def show(
+    library: LibraryArgument,
+    json: JsonFlag = False,
+    why: Annotated[
+        str | None, typer.Option("--why", metavar="NAME", help="Where an operator or a predicate comes from, and why it is so.")
+    ] = None,
+) -> None:
     """Show a library: predicates, operators and skills."""
     from symskill_pddl.cli import views
+    from symskill_pddl.cli.why import why as reasons_of
     from symskill_pddl.cli.work import open_library
 
     learned = open_library(library)
+    if why is not None:
+        reasons = reasons_of(learned, why)
+        if json:
+            emit_json(reasons.document)
+        else:
+            say("\n".join(reasons.lines))
+        return
     if json:
         emit_json(views.library_json(learned))
         return

@@ -69,7 +69,7 @@ def library_json(library: Library) -> dict[str, Any]:
                 for c in library.classifiers
             ),
         ],
-        "operators": [_operator_json(learned) for learned in library.operators],
+        "operators": [operator_json(learned) for learned in library.operators],
         "skills": {
             name: {
                 "phases": [
@@ -86,7 +86,8 @@ def library_json(library: Library) -> dict[str, Any]:
     }
 
 
-def _operator_json(learned: LearnedOperator) -> dict[str, Any]:
+def operator_json(learned: LearnedOperator) -> dict[str, Any]:
+    """One operator, for programs."""
     op = learned.operator
     return {
         "name": op.name,

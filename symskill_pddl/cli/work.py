@@ -27,17 +27,22 @@ def open_library(path: Path) -> Library:
     return Library.load(path)
 
 
-def learn_from(files: Sequence[Path], output: Path) -> tuple[Library, LearnReport]:
-    """Learn from files of demonstrations, and save the library when all went well."""
+def learn_from(files: Sequence[Path], output: Path, *, into: bool = False) -> tuple[Library, LearnReport]:
+    """Learn from files of demonstrations, and save the library when all went well.
+
+    `into`: there is a library at `output`; learn from its demonstrations too.
+    """
     from symskill_pddl.demos import Demo, load_demos
-    from symskill_pddl.learning import learn_reported
+    from symskill_pddl.learning import added, learn_reported
 
     if len({f.stem for f in files}) != len(files):
         raise InputError(f"two files have one name, demonstrations could not be told apart: {', '.join(map(str, files))}")
     demos: list[Demo] = []
     for file in files:
         demos += load_demos(file)
-    title = f"learning from {len(demos)} demonstrations in {len(files)} files"
+    if into:
+        demos = list(added(open_library(output), demos))
+    title = f"learning from {len(demos)} demonstrations in {len({d.source for d in demos})} files"
     with progress(title) as advance:
         library, report = learn_reported(demos, progress=lambda stage: advance(text=f"{title}: {stage}"))
     library.save(output)

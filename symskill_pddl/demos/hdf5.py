@@ -54,10 +54,21 @@ def save_demos(path: str | Path, demos: Iterable[Demo]) -> None:
     InputError
         If there is none, two share a name, an attribute's name is taken by the format, or the file cannot be written.
     """
+    write_atomic(path, encode_demos(demos, str(path)))
+
+
+def encode_demos(demos: Iterable[Demo], where: str = "memory") -> bytes:
+    """The content of a file of demonstrations: the same demonstrations, in any order, the same bytes.
+
+    Raises
+    ------
+    InputError
+        As `save_demos`, which calls `where` the file's path.
+    """
     demos = sorted(demos, key=lambda demo: natural_key(demo.name))
     names = [demo.name for demo in demos]
     if not demos:
-        raise InputError(f"no demonstrations to save in '{path}'")
+        raise InputError(f"no demonstrations to save in '{where}'")
     if twice := next((n for n in names if names.count(n) > 1), None):
         raise InputError(f"two demonstrations are named '{twice}'; names within one file have to differ")
     for demo in demos:
@@ -65,7 +76,7 @@ def save_demos(path: str | Path, demos: Iterable[Demo]) -> None:
             raise InputError(f"{demo.where}: the attribute name '{taken[0]}' belongs to the file format; call it something else")
         if any("\0" in text for text in (demo.task, *map(str, demo.attributes), *map(str, demo.attributes.values()))):
             raise InputError(f"{demo.where}: a text holds a NUL character, which HDF5 cannot store")
-    write_atomic(path, _encode(demos))
+    return _encode(demos)
 
 
 def load_demos(path: str | Path) -> tuple[Demo, ...]:
@@ -79,6 +90,17 @@ def load_demos(path: str | Path) -> tuple[Demo, ...]:
         If it is not HDF5, truncated, damaged, of another format or version, or holds anything but what the layout asks for.
     """
     return _Reader(Path(path)).demos()
+
+
+def decode_demos(content: bytes, source: str) -> tuple[Demo, ...]:
+    """What `encode_demos` made; faults are named after `source`.
+
+    Raises
+    ------
+    FormatError
+        As `load_demos`.
+    """
+    return _Reader(Path(f"{source}.hdf5")).decoded(content)
 
 
 # ---------------------------------------------------------------------------------------------------------------- writing
@@ -171,13 +193,19 @@ class _Reader:
         return FormatError(f"'{self.path}': {inside}: {message}")
 
     def demos(self) -> tuple[Demo, ...]:
-        import h5py
-
         if not self.path.is_file():
             what = "is a folder, not a demonstrations file" if self.path.is_dir() else "does not exist"
             raise InputError(f"'{self.path}' {what}; 'symskill record' and 'symskill import' write one")
+        return self._read(self.path)
+
+    def decoded(self, content: bytes) -> tuple[Demo, ...]:
+        return self._read(io.BytesIO(content))
+
+    def _read(self, from_: Path | io.BytesIO) -> tuple[Demo, ...]:
+        import h5py
+
         try:
-            with h5py.File(self.path, "r") as file:
+            with h5py.File(from_, "r") as file:
                 return self._demos(file)
         except (FormatError, InputError):
             raise

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symskill_pddl.abstraction import Classifier
-from symskill_pddl.demos import Demo, merged_extents
+from symskill_pddl.demos import Demo, decode_demos, encode_demos, merged_extents
 from symskill_pddl.errors import LearningError
+from symskill_pddl.learning.endings import EndingConfig, complete
 from symskill_pddl.learning.goals import learn_goals
 from symskill_pddl.learning.naming import contact_names, place_names
 from symskill_pddl.learning.operators import OperatorConfig, OperatorGroup, learn_operators
@@ -35,6 +36,7 @@ class LearnConfig:
     """All settings of learning, stage by stage."""
 
     segments: SegmentConfig = field(default_factory=SegmentConfig)
+    endings: EndingConfig = field(default_factory=EndingConfig)
     predicates: PredicateConfig = field(default_factory=PredicateConfig)
     operators: OperatorConfig = field(default_factory=OperatorConfig)
     skills: SkillConfig = field(default_factory=SkillConfig)
@@ -72,6 +74,30 @@ def learn(
     return learn_reported(demos, config, jobs=jobs, progress=progress)[0]
 
 
+def added(library: Library, new: Sequence[Demo]) -> tuple[Demo, ...]:
+    """The demonstrations that a library was learned from, and new ones: what to learn from for a library of both.
+
+    Raises
+    ------
+    LearningError
+        If the library does not hold its demonstrations, or a new one is among them, by its name or by its content.
+    """
+    old = [demo for source, content in library.recordings.items() for demo in decode_demos(content, source)]
+    if not old:
+        raise LearningError("the library does not hold the demonstrations it was learned from; learn it again from their files")
+    seen = {_digest(demo): demo.where for demo in old}
+    names = set(seen.values())
+    for demo in new:
+        digest = _digest(demo)
+        if digest in seen:
+            known = f"'{demo.where}'" if seen[digest] == demo.where else f"'{demo.where}', there called '{seen[digest]}'"
+            raise LearningError(f"there is the demonstration {known}, already: every demonstration counts once")
+        if demo.where in names:
+            raise LearningError(f"the library has another demonstration called '{demo.where}': give the new file another name")
+        seen[digest] = demo.where
+    return (*old, *new)
+
+
 def learn_reported(
     demos: Sequence[Demo], config: LearnConfig | None = None, *, jobs: int = 1, progress: Callable[[str], None] | None = None
 ) -> tuple[Library, LearnReport]:
@@ -81,7 +107,7 @@ def learn_reported(
     demos = _sorted(demos)
     extents = merged_extents(demos)
     clock.stage("segments")
-    episodes = segment_all(demos, config.segments)
+    episodes = complete(segment_all(demos, config.segments), config.endings, config.segments)
     clock.stage("predicates")
     relations = learn_relations(demos, episodes, extents, config.predicates)
     places = place_names(relations, extents)
@@ -102,7 +128,10 @@ def learn_reported(
     goals = learn_goals(demos, episodes, truths, places)
     clock.stage("")
     types = tuple(Type(name) for name in sorted({t for demo in demos for t in demo.objects.values()}))
-    library = Library(types, classifiers, learned, skills, goals, gripper, extents)
+    margins = {name: p.margin for name, p in zip(places, relations.places, strict=True) if np.isfinite(p.margin)}
+    sources = sorted({demo.source for demo in demos})
+    recordings = {source: encode_demos([d for d in demos if d.source == source], source) for source in sources}
+    library = Library(types, classifiers, learned, skills, goals, gripper, extents, margins, recordings)
     return library, LearnReport(episodes, notes, tuple(clock.spent))
 
 

@@ -162,8 +162,9 @@ def operator_name(label: Label, moves: bool, relations: Relations, places: Seque
         if contact.held:
             return f"pick-{type_}" + (f"-from-{_without_preposition(state)}" if state else ""), "pick"
         return f"reach-{type_}" + (f"-{state}" if state else ""), "reach"
-    state = _state(places[label.end], contact.type) if label.end is not None else "away"
-    if contact.articulated:
+    type_ = slug(label.episode.moved_type)
+    state = _state(places[label.end], label.episode.moved_type) if label.end is not None else "away"
+    if contact.articulated or label.episode.body is not None:
         verb = _verb(state)
         if verb in ("open", "close", "turn"):
             return f"{verb}-{type_}", "move"

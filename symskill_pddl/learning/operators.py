@@ -55,9 +55,10 @@ def learn_operators(
     groups: dict[tuple[str, ...], list[Transition]] = defaultdict(list)
     for t in found:
         label = t.label
+        e = label.episode
         place, ref = (label.end, label.end_ref) if t.moves else (label.start, label.start_ref)
         key = (
-            t.label.episode.type,
+            e.moved_type if t.moves else e.type,
             "1" if t.moves else "0",
             contacts[label.contact],
             places[place] if place is not None else "",
@@ -73,7 +74,13 @@ def learn_operators(
                 f"{name}: only {seen_in.pop()} of {shown[group[0].demo.task]} demonstrations of its task shows it; left out"
             )
         else:
-            kept.append(group)
+            left = [t for t in group if t.left]
+            notes += [
+                f"{t.label.episode}: the recording ends before the hand has left, others show it; left out"
+                for t in group
+                if left and not t.left
+            ]
+            kept.append(left or group)
     names = operator_names([(g[0].label, g[0].moves) for g in kept], relations, places, contacts)
     states = [(t, s) for t in found for s in (t.before, t.after)]
     learned = [
@@ -117,6 +124,9 @@ def _operator(
             notes.append(f"dropped precondition {atom}: {reason}")
         else:
             positive.add(atom)
+    if not all(t.left for t in group):
+        left = Atom(contact, (lifted.parameters[group[0].args.index(label.episode.obj)].name,))
+        notes.append(f"no retreat: the recordings end before the hand has left, so that {left} ends is not seen and no effect")
     absent = _negatives(group, lifted, positive, states, classifiers, extents, notes, config)
     kept_variables = own | {v for atom in positive for v in atom.variables}
     parameters = tuple(p for p in lifted.parameters if p.name in kept_variables)

@@ -132,8 +132,8 @@ def learn_relations(
     notes: list[str] = []
     of_rest: dict[int, tuple[int | None, str]] = {}  # id of a Rest -> (place or None when odd, reference object)
     jointed: dict[str, bool] = {}
-    for type_ in sorted({e.type for e in episodes}):
-        own = [e for e in episodes if e.type == type_]
+    for type_ in sorted({t for e in episodes for t in (e.type, e.moved_type)}):
+        own = [e for e in episodes if type_ in (e.type, e.moved_type)]
         found, joints = _placements(demos, own, type_, extents, config)
         jointed[type_] = bool(joints)
         for pair in sorted({p.types for p in found}):
@@ -145,7 +145,7 @@ def learn_relations(
 def _placements(
     demos: Sequence[Demo], episodes: Sequence[Episode], type_: str, extents: Extents, config: PredicateConfig
 ) -> tuple[tuple[Placement, ...], dict[tuple[str, str], Joint]]:
-    rests = [(e.demo, r) for e in episodes for r in (e.before, e.after) if r is not None]
+    rests = [(e.demo, r) for e in episodes for r in e.rests(type_)]
     moved = {(e.demo.where, o) for e in episodes for o in (e.obj, *e.passengers)}
     for demo in demos:
         still = int(np.searchsorted(demo.times, demo.times[0] + 2.0))
@@ -154,23 +154,25 @@ def _placements(
             for o, t in demo.objects.items()
             if t == type_ and (demo.where, o) not in moved
         ]
-    alone = [fit_joint([e.demo.pose(e.obj)[e.start : e.stop]], config.articulation) is not None for e in episodes]
+    alone = [fit_joint([way], config.articulation) is not None for e in episodes if (way := e.way(type_)) is not None]
     if np.mean(alone) >= 0.8:
         found = place(rests, True, extents, config.references)
-        joints = _joints(episodes, found, config)
+        joints = _joints(episodes, found, type_, config)
         if joints:
             return found, joints
     return place(rests, False, extents, config.references), {}
 
 
-def _joints(episodes: Sequence[Episode], found: Sequence[Placement], config: PredicateConfig) -> dict[tuple[str, str], Joint]:
+def _joints(
+    episodes: Sequence[Episode], found: Sequence[Placement], type_: str, config: PredicateConfig
+) -> dict[tuple[str, str], Joint]:
     refs = {id(p.rest): p for p in found}
     motions: dict[tuple[str, str], list[Pose]] = defaultdict(list)
     for e in episodes:
-        at = next((refs[id(r)] for r in (e.after, e.before) if r is not None and id(r) in refs), None)
+        at = next((refs[id(r)] for r in reversed(e.rests(type_)) if id(r) in refs), None)
         if at is not None:
             span = np.linspace(e.start, e.stop - 1, 25).astype(int)
-            motions[at.types].append(e.demo.pose(at.ref)[span].inverse() @ e.demo.pose(e.obj)[span])
+            motions[at.types].append(e.demo.pose(at.ref)[span].inverse() @ e.demo.pose(at.rest.obj)[span])
     fitted = {pair: fit_joint(ways, config.articulation) for pair, ways in sorted(motions.items())}
     return {pair: joint for pair, joint in fitted.items() if joint is not None}
 
@@ -194,7 +196,7 @@ def _cluster_pair(
     labels = clusters(distances, gap, config.ratio, floor)
     core = [[p for p, label in zip(moved, labels, strict=True) if label == k] for k in range(labels.max() + 1)]
     alone = [len(members) == 1 and odd[members[0].demo.where] and len(core) > 1 for members in core]
-    groups: list[tuple[int | None, list[Placement]]] = []
+    groups: list[tuple[int, list[Placement]]] = []
     for members, is_alone in zip(core, alone, strict=True):
         if is_alone:
             only = members[0]
@@ -208,16 +210,12 @@ def _cluster_pair(
     for p in static:
         _adopt(p, groups, joint, config)
     for index, members in groups:
-        if index is None:
-            continue
         for p in members:
             of_rest[id(p.rest)] = (index, p.ref)
         places.append(_place_of(members, joint, config))
 
 
-def _adopt(
-    p: Placement, groups: Sequence[tuple[int | None, list[Placement]]], joint: Joint | None, config: PredicateConfig
-) -> None:
+def _adopt(p: Placement, groups: Sequence[tuple[int, list[Placement]]], joint: Joint | None, config: PredicateConfig) -> None:
     """An untouched object widens the nearest cluster, if it is near enough; it never founds one."""
     best: tuple[float, list[Placement]] | None = None
     for _, members in groups:

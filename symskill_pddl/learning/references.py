@@ -1,6 +1,6 @@
 """What an object rests at: the reference of each resting place (METHOD section 3, the default selector).
 
-Every other object of the scene is a candidate. A candidate scores
+Every other object of the scene, but the object's own parts, is a candidate. A candidate scores
 
 - ``dispersion``: how much tighter the rest poses of one group are in its frame than in the worst candidate's, weighted by
   ``(n - 1) / (n + 1)``, so that one demonstration leaves the decision to the priors;
@@ -8,7 +8,9 @@ Every other object of the scene is a candidate. A candidate scores
   What is hinged or slides touches its reference on any side. Without known extents the distance of the origins takes the place
   of the gap;
 - ``proximity``: ``1 / (1 + d / 0.3 m)`` with d the distance of the origins; halved in weight;
-- minus a half if the candidate has the object's own type.
+- minus a half if the candidate has the object's own type;
+- for what is hinged or slides, all rests of one object in one demonstration are scored together, and one of them that is oriented
+  as the candidate speaks for it.
 
 A type is chosen for a group of rests by majority of the first guesses and the sum of scores; within it the object with the best
 score.
@@ -23,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symskill_pddl.demos import Demo
-from symskill_pddl.geometry import Pose
+from symskill_pddl.geometry import Pose, rotation_distance
 from symskill_pddl.learning.segments import Rest
 
 Extents = Mapping[str, tuple[float, float, float]]
@@ -39,6 +41,9 @@ class ReferenceConfig:
     near_m: float = 0.3
     proximity_weight: float = 0.5
     same_type_penalty: float = 0.5
+    alignment_weight: float = 0.25
+    aligned_rad: float = float(np.radians(10.0))
+    """Of what is hinged or slides: weight of lying as its reference does in one of its rests, and decay angle."""
     minority: int = 1
     """Groups of at most this many rests join a larger group if its type scores nearly as well."""
     nearly: float = 0.35
@@ -72,6 +77,8 @@ def place(
     """
     config = config or ReferenceConfig()
     table = [_prior_scores(demo, rest, hinged, extents, config) for demo, rest in rests]
+    if hinged:
+        table = _over_all_rests(rests, table, config)
     groups: dict[str, list[int]] = defaultdict(list)
     for i, scores in enumerate(table):
         if scores:
@@ -92,6 +99,25 @@ def place(
     return tuple(chosen[i] for i in sorted(chosen))
 
 
+def _over_all_rests(
+    rests: Sequence[tuple[Demo, Rest]], table: Sequence[Mapping[str, float]], config: ReferenceConfig
+) -> list[dict[str, float]]:
+    """Mean scores over all rests of one object in one demonstration, plus what its alignment says.
+
+    What is hinged or slides hangs on one thing, open or closed, and most often lies in one of its rests as that thing does.
+    """
+    owners = [(demo.where, rest.obj) for demo, rest in rests]
+    result: dict[tuple[str, str], dict[str, float]] = {}
+    for owner in dict.fromkeys(owners):
+        own = [i for i, o in enumerate(owners) if o == owner]
+        result[owner] = {}
+        for name in table[own[0]]:
+            turned = min(float(rotation_distance(_pose_of(rests[i][0], name, rests[i][1]), rests[i][1].T_world_obj)) for i in own)
+            prior = float(np.mean([table[i][name] for i in own]))
+            result[owner][name] = prior + config.alignment_weight * float(np.exp(-turned / config.aligned_rad))
+    return [result[o] for o in owners]
+
+
 def _pose_of(demo: Demo, obj: str, rest: Rest) -> Pose:
     return demo.pose(obj)[(rest.start + rest.stop) // 2]
 
@@ -100,7 +126,7 @@ def _prior_scores(demo: Demo, rest: Rest, hinged: bool, extents: Extents, config
     own = demo.objects[rest.obj]
     scores = {}
     for name, type_ in demo.objects.items():
-        if name == rest.obj:
+        if name == rest.obj or name in rest.parts:
             continue
         T_ref_obj = _pose_of(demo, name, rest).inverse() @ rest.T_world_obj
         contact = _contact(

@@ -73,13 +73,14 @@ class Motion:
 @dataclass(frozen=True, eq=False)
 class Rest:
     """Where an object rested: its pose over samples [start, stop), next to a motion, or (`static`) all through a
-    demonstration."""
+    demonstration. `parts` hang on the object: it does not rest at them."""
 
     obj: str
     start: int
     stop: int
     T_world_obj: Pose
     static: bool = False
+    parts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +104,9 @@ class Episode:
         Other objects that moved along.
     before, after : Rest or None
         Where the object rested; `after` is None if the recording ends with the object in the hand.
+    body : str or None
+        What the object is a part of and moved in the end (`endings`); then `after` is the body's rest and `body_before` the one
+        it had.
     """
 
     demo: Demo
@@ -115,6 +119,34 @@ class Episode:
     passengers: tuple[str, ...]
     before: Rest | None
     after: Rest | None
+    body: str | None = None
+    body_before: Rest | None = None
+
+    @property
+    def moved(self) -> str:
+        """What the motion brings somewhere: the object, or the body that it is a part of."""
+        return self.body or self.obj
+
+    @property
+    def moved_type(self) -> str:
+        return self.demo.objects[self.moved]
+
+    def moved_along(self) -> Pose:
+        """`T_world_moved` over the motion."""
+        return self.demo.pose(self.moved)[self.start : self.stop]
+
+    def rests(self, type_: str) -> tuple[Rest, ...]:
+        """The rests of what is of this type."""
+        found = (self.before, self.body_before, self.after)
+        return tuple(r for r in found if r is not None and self.demo.objects[r.obj] == type_)
+
+    def way(self, type_: str) -> Pose | None:
+        """How what is of this type moved, apart from the body it is a part of; None if nothing of the type did."""
+        span = slice(self.start, self.stop)
+        if type_ == self.type:
+            T = self.demo.pose(self.obj)[span]
+            return T if self.body is None else self.moved_along().inverse() @ T
+        return self.moved_along() if type_ == self.moved_type else None
 
     @property
     def type(self) -> str:

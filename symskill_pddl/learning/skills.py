@@ -110,7 +110,7 @@ def _stretches(t: Transition, config: SkillConfig) -> tuple[tuple[Stretch, ...],
     reference = _reference(t)
     found += _runs("motion", e.start, e.stop - 1, reference.inverse() @ e.demo.T_world_ee, t, config)
     rest = e.after.T_world_obj if e.after is not None else e.demo.pose(e.obj)[e.stop - 1]
-    last = max(e.end, t.end)
+    last = min(max(e.end, t.end), len(e.demo) - 1)
     found += _runs("retreat", e.stop - 1, last, rest.inverse() @ e.demo.T_world_ee, t, config)
     return tuple(found), bool(command[last])
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +36,9 @@ class Transition:
     during : State
         What holds at every sample of [begin, end).
     args : tuple of str
-        Moved object, then the reference.
+        Moved object, then the reference; then the part that the hand acts on, if that is not the moved object.
+    left : bool
+        False if the recording ends before the hand has left what it moved.
     """
 
     moves: bool
@@ -47,6 +49,7 @@ class Transition:
     after: State
     during: State
     args: tuple[str, ...]
+    left: bool = True
 
     @property
     def demo(self) -> Demo:
@@ -87,7 +90,7 @@ def transitions(
         truth = truths[e.demo.where]
         holds = Atom(contacts[label.contact], (e.obj,))
         start = None if label.start is None or label.start_ref is None else Atom(places[label.start], (e.obj, label.start_ref))
-        end = None if label.end is None or label.end_ref is None else Atom(places[label.end], (e.obj, label.end_ref))
+        end = None if label.end is None or label.end_ref is None else Atom(places[label.end], (e.moved, label.end_ref))
         never = np.zeros(len(e.demo), dtype=bool)
         closes = relations.contacts[label.contact].closes
         lift = _first(
@@ -116,11 +119,13 @@ def transitions(
         if closes and (leaves & opens)[e.stop : until].any():
             leaves = leaves & opens
         exit_ = _first(leaves, e.stop, len(e.demo))
-        if exit_ is None:
-            notes.append(f"{e}: the recording ends before the gripper has left; the motion is left out")
-            continue
-        free_since[e.demo.where] = exit_
-        place = _transition(truth, True, label, lift, exit_, tuple(filter(None, (e.obj, label.end_ref))))
+        part = e.obj if e.body is not None else None
+        args = tuple(filter(None, (e.moved, label.end_ref, part)))
+        last = len(e.demo) - 1
+        place = _transition(truth, True, label, lift, last if exit_ is None else exit_, args)
+        if exit_ is None:  # what it has brought about shows; how the hand leaves does not
+            place = replace(place, left=False)
+        free_since[e.demo.where] = place.end
         if end in place.after:
             found.append(place)
         else:

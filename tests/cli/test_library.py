@@ -87,3 +87,83 @@ def test_an_action_without_a_skill_fails_the_check(symskill: Callable[..., Any],
     done = symskill("check", library, domain)
     assert done.status == 1
     assert "error: action 'fly': no skill belongs to it" in done.out
+
+
+@pytest.fixture(scope="module")
+def people(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A person's door and stack, imported."""
+    from symskill_pddl.demos import import_robosuite, save_demos
+
+    folder = tmp_path_factory.mktemp("people")
+    for name in ("door", "stack"):
+        save_demos(folder / f"{name}.hdf5", import_robosuite(ROBOSUITE / f"panda_{name}.hdf5"))
+    return folder
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {p.relative_to(folder).as_posix(): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+def test_adding_to_a_library_is_learning_from_all(symskill: Callable[..., Any], people: Path, tmp_path: Path) -> None:
+    door, stack, grown = people / "door.hdf5", people / "stack.hdf5", tmp_path / "grown"
+    assert symskill("learn", stack, door, "-o", tmp_path / "all").status == 0
+    # the original files are not needed: the library has its own
+    copy = tmp_path / "stack.hdf5"
+    copy.write_bytes(stack.read_bytes())
+    assert symskill("learn", copy, "-o", grown).status == 0
+    copy.unlink()
+    done = symskill("learn", door, "--into", grown)
+    assert (done.status, done.out) == (0, "")
+    assert content(grown) == content(tmp_path / "all")
+
+    # known content under another name, and a known name with other content
+    again = tmp_path / "again.hdf5"
+    again.write_bytes(door.read_bytes())
+    assert "there called 'door:demo_1'" in symskill("learn", again, "--into", grown).error
+    other = tmp_path / "door.hdf5"
+    other.write_bytes(stack.read_bytes())
+    assert "there called 'stack:demo_1'" in symskill("learn", other, "--into", grown).error
+    assert content(grown) == content(tmp_path / "all")
+
+
+def test_a_library_stays_if_nothing_can_be_added(
+    symskill: Callable[..., Any], library: Path, people: Path, tmp_path: Path
+) -> None:
+    before = content(library)
+    broken = tmp_path / "broken.hdf5"
+    broken.write_bytes((people / "door.hdf5").read_bytes()[:2000])
+    assert symskill("learn", broken, "--into", library).status == 2
+    assert symskill("learn", people / "door.hdf5", "--into", tmp_path / "none").status == 2
+    assert "--into LIBRARY" in symskill("learn", people / "door.hdf5").error
+    assert "--into LIBRARY" in symskill("learn", people / "door.hdf5", "-o", tmp_path / "x", "--into", library).error
+    assert content(library) == before
+    (recording,) = (library / "demos").iterdir()
+    whole = recording.read_bytes()
+    recording.write_bytes(whole[:-1])
+    try:
+        assert recording.name in symskill("learn", people / "door.hdf5", "--into", library).error
+    finally:
+        recording.write_bytes(whole)
+
+
+def test_why(symskill: Callable[..., Any], people: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "library"
+    assert symskill("learn", people / "stack.hdf5", "-o", folder).status == 0
+    document = json.loads(symskill("show", folder, "--json").out)
+    for name in [o["name"] for o in document["operators"]] + [p["name"] for p in document["predicates"]]:
+        done = symskill("show", folder, "--why", name)
+        assert (done.status, done.err) == (0, "")
+        assert name in done.out
+        found = json.loads(symskill("show", folder, "--why", name, "--json").out)
+        assert name in (found.get("operator"), found.get("predicate"))
+    place = symskill("show", folder, "--why", "place-cubea-on-cubeb").out
+    assert "stack:demo_1 from " in place
+    assert "no retreat" in place
+    assert "cubea-on-cubeb: the cubeB, whose score leads the next candidate's by" in place
+    rest = symskill("show", folder, "--why", "cubea-at-table").out
+    assert "in the table's frame" in rest
+    assert rest.index("ended by") < rest.index("pick-cubea-from-table")
+    error = symskill("show", folder, "--why", "place-cubea").error
+    assert "neither an operator nor a predicate" in error
+    assert "place-cubea-on-cubeb" in error
+    assert "gripper-open" in error

@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 
-from symskill_pddl.demos import load_demos, save_demos
+from symskill_pddl.demos import decode_demos, encode_demos, load_demos, save_demos
 from symskill_pddl.errors import FormatError, InputError
 from symskill_pddl.geometry import Pose
 
@@ -263,3 +263,16 @@ def test_wrong_attributes(saved, where, key, value, message):
 def test_importing_the_room_is_cheap():
     code = "import sys, symskill_pddl.demos; sys.exit(bool({'h5py', 'mujoco'} & sys.modules.keys()))"
     assert subprocess.run([sys.executable, "-c", code], check=False, env={"PYTHONPATH": ":".join(sys.path)}).returncode == 0
+
+
+def test_demonstrations_in_memory_are_the_file(saved):
+    content = saved.read_bytes()
+    demos = load_demos(saved)
+    assert encode_demos(reversed(demos)) == content
+    again = decode_demos(content, "some")
+    assert [d.where for d in again] == [d.where.replace(saved.stem, "some") for d in demos]
+    assert encode_demos(again) == content
+    with pytest.raises(FormatError, match=r"'some\.hdf5' is not a readable HDF5 file"):
+        decode_demos(content[:100], "some")
+    with pytest.raises(InputError, match="no demonstrations to save in 'memory'"):
+        encode_demos([])

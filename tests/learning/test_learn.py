@@ -1,3 +1,4 @@
+import dataclasses
 import random
 from pathlib import Path
 
@@ -8,7 +9,7 @@ from synthetic import Recorder, facing, record, yaw_pose
 from symskill_pddl.demos import Demo
 from symskill_pddl.errors import LearningError
 from symskill_pddl.geometry import Pose
-from symskill_pddl.learning import LearnConfig, learn, learn_reported
+from symskill_pddl.learning import LearnConfig, added, learn, learn_reported
 from symskill_pddl.learning.skills import SkillConfig
 from symskill_pddl.skills import FitConfig
 from symskill_pddl.symbols import Atom
@@ -117,3 +118,16 @@ def test_lifts_recorded_by_people():
     assert skill.close_gripper_at_end
     assert np.linalg.norm(skill.phases[-1].field.T_goal.p) < 0.03
     assert any("ends with it in the hand" in note for note in report.notes)
+
+
+def test_what_a_library_was_learned_from_comes_back_with_what_is_new(demos, learned):
+    union = added(learned[0], [dataclasses.replace(demos[0], name="demo_9", times=demos[0].times * 1.01)])
+    assert sorted(d.where for d in union[:-1]) == sorted(d.where for d in demos)
+    with pytest.raises(LearningError, match=f"there is the demonstration '{demos[0].where}', already"):
+        added(learned[0], demos[:1])
+    with pytest.raises(LearningError, match=f"'.*demo_77', there called '{demos[0].where}', already"):
+        added(learned[0], [dataclasses.replace(demos[0], name="demo_77")])
+    with pytest.raises(LearningError, match=f"another demonstration called '{demos[0].where}'"):
+        added(learned[0], [dataclasses.replace(demos[0], times=demos[0].times * 1.01)])
+    with pytest.raises(LearningError, match="does not hold the demonstrations"):
+        added(dataclasses.replace(learned[0], recordings={}), demos[:1])
