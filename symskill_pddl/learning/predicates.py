@@ -137,7 +137,9 @@ def learn_relations(
         found, joints = _placements(demos, own, type_, extents, config)
         jointed[type_] = bool(joints)
         for pair in sorted({p.types for p in found}):
-            _cluster_pair([p for p in found if p.types == pair], joints.get(pair), odd, places, of_rest, notes, config)
+            rests = [p for p in found if p.types == pair]
+            apart = _ends(rests, own, type_) if pair in joints else []
+            _cluster_pair(rests, joints.get(pair), apart, odd, places, of_rest, notes, config)
     kept, contacts = _labelled(episodes, of_rest, jointed, odd, notes, config)
     return Relations(tuple(places), contacts, kept, tuple(notes))
 
@@ -177,9 +179,17 @@ def _joints(
     return {pair: joint for pair, joint in fitted.items() if joint is not None}
 
 
+def _ends(found: Sequence[Placement], episodes: Sequence[Episode], type_: str) -> list[tuple[int, int]]:
+    """Where each motion began and ended, as rows of the rests that are not static."""
+    row = {id(p.rest): i for i, p in enumerate(p for p in found if not p.rest.static)}
+    ways = [[row[id(r)] for r in e.rests(type_) if id(r) in row] for e in episodes]
+    return [(way[0], way[-1]) for way in ways if len(way) == 2]
+
+
 def _cluster_pair(
     found: Sequence[Placement],
     joint: Joint | None,
+    apart: Sequence[tuple[int, int]],
     odd: Mapping[str, bool],
     places: list[Place],
     of_rest: dict[int, tuple[int | None, str]],
@@ -193,7 +203,7 @@ def _cluster_pair(
         return
     distances = _rest_distances(moved, joint, config)
     gap, floor = _gap(joint, config)
-    labels = clusters(distances, gap, config.ratio, floor)
+    labels = clusters(distances, gap, config.ratio, floor, apart)
     core = [[p for p, label in zip(moved, labels, strict=True) if label == k] for k in range(labels.max() + 1)]
     alone = [len(members) == 1 and odd[members[0].demo.where] and len(core) > 1 for members in core]
     groups: list[tuple[int, list[Placement]]] = []
