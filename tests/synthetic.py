@@ -270,13 +270,21 @@ def move_food(r: Recorder, food: str, goal: Pose, pitch: float) -> None:
 
 
 def record(
-    task: str, n: int, seed: int = 0, *, faults: bool = True, source: str | None = None, **demo: float | bool
+    task: str,
+    n: int,
+    seed: int = 0,
+    *,
+    faults: bool = True,
+    source: str | None = None,
+    open_deg: tuple[float, float] = (92.0, 98.0),
+    **demo: float | bool,
 ) -> tuple[Demo, ...]:
-    """`n` demonstrations of OpenSingleDoor, CloseSingleDoor, PnPCabToCounter or PnPCounterToCab."""
+    """`n` demonstrations of OpenSingleDoor, CloseSingleDoor, PnPCabToCounter or PnPCounterToCab; `open_deg` is
+    how far the door stands open where it does at first."""
     demos = []
     for k in range(n):
         rng = np.random.default_rng([seed, k, sum(map(ord, task))])
-        angle = 0.0 if task == "OpenSingleDoor" else np.radians(rng.uniform(92, 98))
+        angle = 0.0 if task == "OpenSingleDoor" else np.radians(rng.uniform(*open_deg))
         objects = kitchen(rng, float(angle))
         if task.startswith("PnP"):
             inside = task == "PnPCabToCounter"
