@@ -87,3 +87,15 @@ def grasp_and_take(hand: Hand, jointed: Jointed, on_part: Callable[[float], Pose
     hand.fingers(False)
     hand.go([along(hand.T, -approach_m)], careful=True)
     hand.leave()
+
+
+def push_along(hand: Hand, jointed: Jointed, on_part: Callable[[float], Pose], goal: float, approach_m: float) -> None:
+    """The part between the open fingers, straight on from `approach_m` away; one of them pushes it to `goal`; straight off and back."""
+    start = jointed.position(hand.scene.pose(jointed.name))
+    there = on_part(start)
+    way = [vary(along(there, -approach_m), hand.rng, 0.01), there]
+    hand.go(approach_twice(way, hand.rng) if hand.faults.second_approach else way, pause=hand.faults.pause)
+    hand.rest(float(hand.rng.uniform(0.3, 0.6)))
+    take_along(hand, jointed, on_part, start, goal)
+    hand.go([along(hand.T, -approach_m)], careful=True)
+    hand.leave()

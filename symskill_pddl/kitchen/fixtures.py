@@ -8,7 +8,7 @@ from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.layout import Box, Vec3
 
 CONTACT = {"condim": "4", "solref": "0.01 1", "solimp": "0.95 0.99 0.001"}
-WOOD, LIGHT_WOOD, STEEL = "0.72 0.55 0.38 1", "0.82 0.68 0.50 1", "0.75 0.76 0.78 1"
+WOOD, LIGHT_WOOD, STEEL, WHITE = "0.72 0.55 0.38 1", "0.82 0.68 0.50 1", "0.75 0.76 0.78 1", "0.92 0.92 0.90 1"
 
 
 def joint_of(part: str) -> str:
@@ -24,7 +24,16 @@ def fixtures() -> list[ET.Element]:
     pedestal = Box((0.0, 0.0, layout.FLOOR_Z / 2), (0.09, 0.09, -layout.FLOOR_Z / 2 - 0.002))
     wall = Box((layout.WALL_X + 0.02, 0.0, 0.4), (0.02, 1.5, 1.32))
     slab = Box((0.0, 0.0, 0.0), layout.COUNTER.half)
-    shapes = {"cabinet": _cabinet(), "door": _door(), "drawer-unit": _drawer_unit(), "drawer": _drawer()}
+    shapes = {
+        "cabinet": _cabinet(),
+        "door": _door(),
+        "drawer-unit": _drawer_unit(),
+        "drawer": _drawer(),
+        "stove": _stove(),
+        "knob": _box("knob_ridge", Box((0.0, 0.0, 0.0), layout.KNOB.half), WHITE, mass_kg=0.04),
+        "sink": _sink(),
+        "lever": _box("lever_bar", Box((0.0, 0.0, 0.0), layout.LEVER.half), STEEL, mass_kg=0.08),
+    }
     units = (
         f'<body name="{name}" pos="{_text(box.center)}">{shapes[name]}'
         + "".join(_part(own, part, shapes[own]) for own, part in layout.PARTS.items() if part.unit == name)
@@ -129,3 +138,42 @@ def _drawer() -> str:
     )
     tray = "".join(_box(name, box, LIGHT_WOOD, mass_kg=mass) for name, box, mass in panels)
     return tray + _bar("drawer", layout.DRAWER_BAR, (0.0, 0.06, 0.0), -hx)
+
+
+def _cylinder(name: str, center: Vec3, radius: float, half_height: float, rgba: str) -> str:
+    return (
+        f'<geom name="{name}" type="cylinder" pos="{_text(center)}" size="{radius} {half_height}" rgba="{rgba}" '
+        f'group="0" friction="0.8 0.02 0.001" {_CONTACT_TEXT}/>'
+    )
+
+
+def _stove() -> str:
+    x, y, z = layout.KNOB.center
+    top = layout.STOVE.half[2]
+    under = (z - layout.KNOB.half[2] - top - 0.001) / 2
+    return (
+        _box("stove_top", Box((0.0, 0.0, 0.0), layout.STOVE.half), "0.08 0.08 0.09 1")
+        + _cylinder("stove_burner", layout.BURNER, 0.065, 0.001, "0.55 0.12 0.08 1")
+        + _cylinder("stove_knob_base", (x, y, top + under), 0.018, under, STEEL)
+    )
+
+
+def _sink() -> str:
+    """A basin of four walls and a floor, and a column with a spout below the lever."""
+    hx, hy, hz = layout.SINK.half
+    t = 0.006
+    walls = (
+        ("sink_floor", Box((0.0, 0.0, -hz + t), (hx, hy, t))),
+        ("sink_front", Box((-hx + t, 0.0, 0.0), (t, hy, hz))),
+        ("sink_back", Box((hx - t, 0.0, 0.0), (t, hy, hz))),
+        ("sink_right", Box((0.0, -hy + t, 0.0), (hx, t, hz))),
+        ("sink_left", Box((0.0, hy - t, 0.0), (hx, t, hz))),
+    )
+    x, y, _ = layout.FAUCET
+    foot, head = -hz, layout.LEVER.center[2] - layout.LEVER.half[2] - 0.002
+    spout = head - 0.012
+    return (
+        "".join(_box(name, box, "0.80 0.82 0.84 1") for name, box in walls)
+        + _cylinder("sink_column", (x, y, (foot + head) / 2), 0.014, (head - foot) / 2, STEEL)
+        + _box("sink_spout", Box((x, y - 0.07, spout), (0.009, 0.07, 0.008)), STEEL)
+    )

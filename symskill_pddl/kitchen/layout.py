@@ -54,10 +54,24 @@ DRAWER_FRONT = Box((-0.170, 0.0, 0.0), (0.009, 0.13, 0.085))
 DRAWER_BAR: Vec3 = (-0.071, 0.0, 0.03)
 """Centre of the level bar in the drawer's frame: far enough from the front for a hand that looks down on it."""
 
+STOVE = Box((0.52, -0.09, 0.006), (0.18, 0.078, 0.006))
+"""A flat hob between where food is taken from the counter and where other foods stand; its knob is on the side of the robot."""
+BURNER: Vec3 = (0.10, 0.0, 0.007)
+"""Centre of the burner in the stove's frame; it is flat."""
+KNOB = Box((-0.11, 0.0, 0.024), (0.0225, 0.006, 0.014))
+"""The ridge one takes the knob by, off, in the stove's frame; it is turned about the vertical through its middle."""
+
+SINK = Box((0.51, -0.69, 0.04), (0.15, 0.13, 0.04))
+"""A basin that stands on the counter, at its right."""
+FAUCET: Vec3 = (0.05, 0.165, 0.0)
+"""Axis of the faucet's column, beside the basin, in the sink's frame."""
+LEVER = Box((0.005, 0.165, 0.078), (0.045, 0.007, 0.007))
+"""The lever on top of the column, off, pointing at the robot, in the sink's frame."""
+
 
 @dataclass(frozen=True)
 class Part:
-    """What turns or slides in a unit. Its joint's position is 0 where it is shut and grows as it opens [rad] or [m].
+    """What turns or slides in a unit. Its joint's position is 0 where it is shut or off and grows from there [rad] or [m].
 
     Attributes
     ----------
@@ -78,7 +92,7 @@ class Part:
     grip : (float, float, float)
         Where a hand takes it, in its frame.
     shut, opened : float
-        At most, and at least, at this position it counts as shut, and as open.
+        At most, and at least, at this position it counts as shut or off, and as open or on.
     """
 
     unit: str
@@ -96,7 +110,7 @@ class Part:
     opened: float
 
 
-UNITS = {"cabinet": CABINET, "drawer-unit": DRAWER_UNIT}
+UNITS = {"cabinet": CABINET, "drawer-unit": DRAWER_UNIT, "stove": STOVE, "sink": SINK}
 """Fixtures that parts move in: their outer boxes (world)."""
 PARTS = {
     "door": Part(
@@ -106,6 +120,14 @@ PARTS = {
     "drawer": Part(
         "drawer-unit", DRAWER_FRONT.center, "slide", (-1.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.20, 8.0, 2.0, 0.01,
         DRAWER_FRONT.half, DRAWER_BAR, shut=0.01, opened=0.12,
+    ),
+    "knob": Part(
+        "stove", KNOB.center, "hinge", (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1.9, 0.05, 0.04, 0.0005,
+        KNOB.half, (0.0, 0.0, 0.0), shut=0.2, opened=1.2,
+    ),
+    "lever": Part(
+        "sink", LEVER.center, "hinge", (0.0, 0.0, -1.0), (0.045, 0.0, 0.0), 1.5, 0.1, 0.1, 0.001,
+        LEVER.half, (-0.03, 0.0, 0.0), shut=0.15, opened=0.9,
     ),
 }  # fmt: skip
 

@@ -149,24 +149,22 @@ def _draw(
     return Episode(focus, shifts, positions, {name: foods[name] for name in names}, start)
 
 
-def _open_door(rng: Generator) -> Episode:
-    return _draw(rng, ("door", "cabinet"), None, ("counter", "cabinet")[int(rng.integers(2))], (0.0, 0.0))
-
-
-def _close_door(rng: Generator) -> Episode:
-    return _draw(rng, ("door", "cabinet"), None, ("counter", "cabinet")[int(rng.integers(2))], (75.0, 100.0))
-
-
 def _anywhere(rng: Generator) -> str:
     return ("counter", "cabinet")[int(rng.integers(2))]
 
 
-def _open_drawer(rng: Generator) -> Episode:
-    return _draw(rng, ("drawer", "drawer-unit"), None, _anywhere(rng))
+def _open_door(rng: Generator) -> Episode:
+    return _draw(rng, ("door", "cabinet"), None, _anywhere(rng))
 
 
-def _close_drawer(rng: Generator) -> Episode:
-    return _draw(rng, ("drawer", "drawer-unit"), None, _anywhere(rng), drawer=(0.14, 0.185))
+def _close_door(rng: Generator) -> Episode:
+    return _draw(rng, ("door", "cabinet"), None, _anywhere(rng), (75.0, 100.0))
+
+
+def _with_part(part: str, *start: float) -> Callable[[Generator], Episode]:
+    """Episodes about a part of a unit on the counter, at first shut or somewhere between the two positions of `start`."""
+    focus, opened = (part, layout.PARTS[part].unit), {part: (start[0], start[1])} if start else {}
+    return lambda rng: _draw(rng, focus, None, _anywhere(rng), **opened)
 
 
 def _cab_to_counter(rng: Generator) -> Episode:
@@ -262,8 +260,12 @@ TASKS: dict[str, TaskSpec] = {
         TaskSpec("CloseSingleDoor", _close_door, _shut),
         TaskSpec("PnPCabToCounter", _cab_to_counter, _on_counter),
         TaskSpec("PnPCounterToCab", _counter_to_cab, _in_cabinet),
-        TaskSpec("OpenDrawer", _open_drawer, _opened),
-        TaskSpec("CloseDrawer", _close_drawer, _shut),
+        TaskSpec("OpenDrawer", _with_part("drawer"), _opened),
+        TaskSpec("CloseDrawer", _with_part("drawer", 0.14, 0.185), _shut),
+        TaskSpec("TurnOnStove", _with_part("knob"), _opened),
+        TaskSpec("TurnOffStove", _with_part("knob", 1.45, 1.75), _shut),
+        TaskSpec("TurnOnSinkFaucet", _with_part("lever"), _opened),
+        TaskSpec("TurnOffSinkFaucet", _with_part("lever", 1.1, 1.35), _shut),
         TaskSpec(
             "StoreCheese",
             _store_cheese,

@@ -70,6 +70,10 @@ def test_door_judges(task, angle, success):
 @pytest.mark.parametrize(("task", "part", "position", "success"), [
     ("OpenDrawer", "drawer", 0.18, True), ("OpenDrawer", "drawer", 0.121, True), ("OpenDrawer", "drawer", 0.10, False),
     ("CloseDrawer", "drawer", 0.0, True), ("CloseDrawer", "drawer", 0.009, True), ("CloseDrawer", "drawer", 0.03, False),
+    ("TurnOnStove", "knob", 1.7, True), ("TurnOnStove", "knob", 1.0, False), ("TurnOnStove", "knob", 0.0, False),
+    ("TurnOffStove", "knob", 0.1, True), ("TurnOffStove", "knob", 0.4, False), ("TurnOffStove", "knob", 1.7, False),
+    ("TurnOnSinkFaucet", "lever", 1.0, True), ("TurnOnSinkFaucet", "lever", 0.7, False),
+    ("TurnOffSinkFaucet", "lever", 0.1, True), ("TurnOffSinkFaucet", "lever", 0.3, False),
 ])  # fmt: skip
 def test_judges_of_parts(task, part, position, success):
     kitchen = make(task, 0)

@@ -103,3 +103,14 @@ def test_what_slides_keeps_its_reference_when_it_is_nearer_to_another():
             rests.append((demo, rest(demo, "drawer", 0, 10)))
     assert {found.ref for found in place(rests[1::2], False, extents)} == {"counter"}
     assert {found.ref for found in place(rests, True, extents)} == {"chest"}
+
+
+def test_what_is_hinged_does_not_belong_to_what_stands_by_it_once():
+    """One recording with a tin right beside the lever does not make the tin what the lever is hinged to."""
+    rests = []
+    for k in range(5):
+        poses = {"sink": yaw_pose([0.2, 0, 0]), "tin": yaw_pose([0.0, 0.08 if k == 0 else 0.9, 0])}
+        for yaw in (0.0, 1.2):
+            demo = scene(f"demo_{k}", lever=yaw_pose([0.0, 0, 0], yaw), **poses)
+            rests.append((demo, rest(demo, "lever", 0, 10)))
+    assert [found.ref for found in place(rests, True, {})] == ["sink"] * 10
