@@ -90,7 +90,7 @@ def grasp_and_take(hand: Hand, jointed: Jointed, on_part: Callable[[float], Pose
 
 
 def push_along(hand: Hand, jointed: Jointed, on_part: Callable[[float], Pose], goal: float, approach_m: float) -> None:
-    """The part between the open fingers, straight on from `approach_m` away; one of them pushes it to `goal`; straight off and back."""
+    """The part between the open fingers, straight on from `approach_m` away; one pushes it to `goal`; straight off and back."""
     start = jointed.position(hand.scene.pose(jointed.name))
     there = on_part(start)
     way = [vary(along(there, -approach_m), hand.rng, 0.01), there]

@@ -1,4 +1,4 @@
-"""How people turn the stove's knob, grasped from above and twisted, and the faucet's lever, pushed along its arc with a finger."""
+"""How people turn the knob of the stove, grasped from above and twisted, and the lever of the faucet, pushed by one finger."""
 
 from __future__ import annotations
 
