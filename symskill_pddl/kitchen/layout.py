@@ -127,7 +127,7 @@ PARTS = {
     ),
     "lever": Part(
         "sink", LEVER.center, "hinge", (0.0, 0.0, -1.0), (0.045, 0.0, 0.0), 1.5, 0.1, 0.1, 0.001,
-        LEVER.half, (-0.03, 0.0, 0.0), shut=0.15, opened=0.9,
+        LEVER.half, (-0.03, 0.0, 0.0), shut=0.2, opened=0.9,
     ),
 }  # fmt: skip
 
