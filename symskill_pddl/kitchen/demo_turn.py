@@ -10,11 +10,11 @@ from symskill_pddl.kitchen.demo_hand import Hand
 from symskill_pddl.kitchen.demo_part import Jointed, grasp_and_take, push_along
 
 KNOB_PITCH_DEG = (82.0, 88.0)
+KNOB_OFF = (0.0, 0.08)
+"""People turn a knob off, or nearly, and not hard against the stop [rad]."""
 LEVER_PITCH_DEG = (70.0, 80.0)
 LEVER_LEAD = 0.03
 """The hand goes ahead of the lever by this much, so that the finger behind it is the one that pushes [m]."""
-OFF = (0.0, 0.08)
-"""People turn things off, or nearly, and not hard against the stop [rad]."""
 YAW_WITH_LEVER = 0.6
 """The hand's yaw follows the lever by this part of its angle."""
 
@@ -26,7 +26,7 @@ def turn_knob_on(hand: Hand, name: str) -> None:
 
 def turn_knob_off(hand: Hand, name: str) -> None:
     """Twist it back."""
-    _twist(hand, name, float(hand.rng.uniform(*OFF)))
+    _twist(hand, name, float(hand.rng.uniform(*KNOB_OFF)))
 
 
 def turn_lever_on(hand: Hand, name: str) -> None:
@@ -35,8 +35,8 @@ def turn_lever_on(hand: Hand, name: str) -> None:
 
 
 def turn_lever_off(hand: Hand, name: str) -> None:
-    """Push it back."""
-    _push(hand, name, float(hand.rng.uniform(*OFF)))
+    """Push it back until it stops."""
+    _push(hand, name, 0.0)
 
 
 def _twist(hand: Hand, name: str, goal: float) -> None:
