@@ -63,7 +63,8 @@ examples: install
 	scripts/make_examples.sh
 
 # The shipped demonstrations: ten of each atomic task, the same files again.
-TASKS := OpenSingleDoor CloseSingleDoor PnPCabToCounter PnPCounterToCab
+TASKS := OpenSingleDoor CloseSingleDoor PnPCabToCounter PnPCounterToCab OpenDrawer CloseDrawer \
+    TurnOnStove TurnOffStove TurnOnSinkFaucet TurnOffSinkFaucet
 demonstrations: install
 	mkdir -p symskill_pddl/data/kitchen
 	for task in $(TASKS); do $(BIN)/symskill record $$task -n 10 --seed 0 -o symskill_pddl/data/kitchen/$$task.hdf5; done

@@ -19,6 +19,12 @@ open-door OpenSingleDoor 0
 close-door CloseSingleDoor 0
 cabinet-to-counter PnPCabToCounter 0
 counter-to-cabinet PnPCounterToCab 0
+open-drawer OpenDrawer 0
+close-drawer CloseDrawer 0
+turn-on-stove TurnOnStove 0
+turn-off-stove TurnOffStove 0
+turn-on-faucet TurnOnSinkFaucet 0
+turn-off-faucet TurnOffSinkFaucet 0
 store-cheese StoreCheese 0
 EOF
 

@@ -7,16 +7,13 @@ the door is ajar, then the bar is pushed from the front; the outer face of a wid
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-
 import numpy as np
 
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
-from symskill_pddl.kitchen.demo_hand import Hand, along, facing, offset
-from symskill_pddl.kitchen.human import approach_twice, vary
-from symskill_pddl.kitchen.layout import Vec3
+from symskill_pddl.kitchen.demo_hand import Hand, along
+from symskill_pddl.kitchen.demo_part import Jointed, take_along, take_hold
+from symskill_pddl.kitchen.human import vary
 
 YAW_AT_SHUT, YAW_WITH_DOOR = np.radians(15.0), 0.6
 BAR_PITCH_DEG = (39.0, 45.0)
@@ -27,32 +24,10 @@ AJAR_DEG = (49.5, 52.5)
 """Where a door is left between the two contacts."""
 
 
-@dataclass(frozen=True)
-class Door:
-    """The door of a cabinet that stands at `T_world_cabinet`: where its points are when it is open by an angle [rad]."""
-
-    T_world_cabinet: Pose
-
-    def frame(self, angle: float) -> Pose:
-        """`T_world_door`."""
-        hinge = np.array(layout.DOOR_HINGE)
-        T_cabinet_hinge = Pose.from_rotvec(np.array(layout.DOOR.center) + hinge, [0.0, 0.0, angle])
-        return self.T_world_cabinet @ T_cabinet_hinge @ offset(-hinge)
-
-    def hand(self, angle: float, p: Vec3, yaw: float, pitch: float, roll: float = 0.0) -> Pose:
-        """A hand at the point `p` of the door's frame, door at `angle`; `yaw` counts from straight into the cabinet."""
-        into = float(self.T_world_cabinet.rotvec()[2])
-        return Pose(self.frame(angle).apply(p), facing(into + yaw, pitch, roll))
-
-    def angle(self, T_world_door: Pose) -> float:
-        """How far a door seen at this pose is open [rad]."""
-        return float((self.T_world_cabinet.inverse() @ T_world_door).rotvec()[2])
-
-
 def open_door(hand: Hand, door_name: str) -> None:
     """Grasp the bar, pull until ajar, let go, round the free edge, push the inner face until wide open, leave on that side."""
-    rng, faults = hand.rng, hand.faults
-    door = Door(hand.scene.pose("cabinet"))
+    rng = hand.rng
+    door = Jointed.seen(hand.scene, door_name)
     x, y, z = layout.HANDLE
     bar, pitch = (x, y, z + float(rng.uniform(-0.015, 0.015))), float(np.radians(rng.uniform(*BAR_PITCH_DEG)))
 
@@ -60,13 +35,10 @@ def open_door(hand: Hand, door_name: str) -> None:
         return door.hand(angle, bar, YAW_AT_SHUT + YAW_WITH_DOOR * angle, pitch)
 
     grasp = on_bar(0.0)
-    way: list[Pose] = [vary(along(grasp, -0.12), rng, 0.01), grasp]
-    hand.go(approach_twice(way, rng) if faults.second_approach else way, pause=faults.pause)
-    if faults.poor_grasp:
-        _grasp_again(hand, grasp)
-    hand.fingers(True)
+    way = [vary(along(grasp, -0.12), rng, 0.01), grasp]
+    take_hold(hand, grasp, way)
     ajar = float(np.radians(rng.uniform(*AJAR_DEG)))
-    _turn(hand, door, door_name, on_bar, 0.0, ajar)
+    take_along(hand, door, on_bar, 0.0, ajar)
     hand.fingers(False)
     hand.go([along(hand.T, -0.08)], careful=True)
     hand.rest(float(rng.uniform(0.6, 0.9)))
@@ -74,7 +46,7 @@ def open_door(hand: Hand, door_name: str) -> None:
     hand.leave()
 
 
-def _push_open(hand: Hand, door: Door, ajar: float) -> None:
+def _push_open(hand: Hand, door: Jointed, ajar: float) -> None:
     rng = hand.rng
     wide = float(np.radians(rng.uniform(92.0, 99.0)))
     height = layout.HANDLE[2] + float(rng.uniform(-0.01, 0.02))
@@ -93,9 +65,9 @@ def _push_open(hand: Hand, door: Door, ajar: float) -> None:
 
 def close_door(hand: Hand, door_name: str) -> None:
     """Grasp the free edge of the open door, pull it until ajar, let go, and push the bar from the front until it is shut."""
-    rng, faults = hand.rng, hand.faults
-    door = Door(hand.scene.pose("cabinet"))
-    start = door.angle(hand.scene.pose(door_name))
+    rng = hand.rng
+    door = Jointed.seen(hand.scene, door_name)
+    start = door.position(hand.scene.pose(door_name))
     height, pitch = layout.HANDLE[2] + float(rng.uniform(-0.01, 0.03)), float(np.radians(rng.uniform(57.0, 63.0)))
 
     def on_edge(angle: float) -> Pose:
@@ -105,12 +77,9 @@ def close_door(hand: Hand, door_name: str) -> None:
 
     grasp = on_edge(start)
     way = [vary(Pose(np.array([0.29, -0.06, grasp.p[2]]), grasp.q), rng, 0.02), vary(along(grasp, -0.11), rng, 0.01), grasp]
-    hand.go(approach_twice(way, rng) if faults.second_approach else way, pause=faults.pause)
-    if faults.poor_grasp:
-        _grasp_again(hand, grasp)
-    hand.fingers(True)
+    take_hold(hand, grasp, way)
     ajar = float(np.radians(rng.uniform(*AJAR_DEG)))
-    _turn(hand, door, door_name, on_edge, start, ajar)
+    take_along(hand, door, on_edge, start, ajar)
     hand.fingers(False)
     hand.go([along(hand.T, -0.08)], careful=True)
     hand.rest(float(rng.uniform(0.6, 0.9)))
@@ -119,7 +88,7 @@ def close_door(hand: Hand, door_name: str) -> None:
     hand.leave()
 
 
-def _push_shut(hand: Hand, door: Door, door_name: str) -> None:
+def _push_shut(hand: Hand, door: Jointed, door_name: str) -> None:
     """The bar between the open fingers, and on with the palm until nothing moves any more."""
     rng = hand.rng
     x, y, z = layout.HANDLE
@@ -128,26 +97,6 @@ def _push_shut(hand: Hand, door: Door, door_name: str) -> None:
     def on_bar(angle: float) -> Pose:
         return along(door.hand(angle, bar, YAW_AT_SHUT + YAW_WITH_DOOR * angle, pitch), 0.025)
 
-    ajar = door.angle(hand.scene.pose(door_name))
+    ajar = door.position(hand.scene.pose(door_name))
     hand.go([vary(along(on_bar(ajar), -0.13), rng, 0.01), along(on_bar(ajar), -0.02)])
-    _turn(hand, door, door_name, on_bar, ajar, 0.0)
-
-
-def _turn(hand: Hand, door: Door, door_name: str, on_door: Callable[[float], Pose], start: float, goal: float) -> None:
-    """Take the door along from `start` to `goal` [rad], and on until it is seen there: the hand slips and gives a little."""
-    hand.go([on_door(float(a)) for a in np.linspace(start, goal, 8)[1:]], careful=True)
-    aim, way = goal, np.sign(goal - start)
-    for _ in range(4):
-        missing = goal - door.angle(hand.scene.pose(door_name))
-        if missing * way < np.radians(0.6):
-            return
-        aim += missing + way * np.radians(0.5)
-        hand.go([on_door(aim)], careful=True)
-
-
-def _grasp_again(hand: Hand, grasp: Pose) -> None:
-    """The first grasp was poor: open, back off a little, come again."""
-    hand.fingers(True)
-    hand.fingers(False)
-    hand.go([along(hand.T, -0.03)], careful=True)
-    hand.go([grasp], careful=True)
+    take_along(hand, door, on_bar, ajar, 0.0)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from symskill_pddl.errors import InputError, alternatives
-from symskill_pddl.kitchen import demo_door, demo_food
+from symskill_pddl.kitchen import demo_door, demo_drawer, demo_food, demo_turn
 from symskill_pddl.kitchen.demo_hand import Hand
 from symskill_pddl.kitchen.human import Faults, Person
 from symskill_pddl.scene import Scene
@@ -24,6 +24,12 @@ WAYS: dict[str, Callable[[Hand, str], None]] = {
     "CloseSingleDoor": demo_door.close_door,
     "PnPCabToCounter": demo_food.to_counter,
     "PnPCounterToCab": demo_food.to_cabinet,
+    "OpenDrawer": demo_drawer.open_drawer,
+    "CloseDrawer": demo_drawer.close_drawer,
+    "TurnOnStove": demo_turn.turn_knob_on,
+    "TurnOffStove": demo_turn.turn_knob_off,
+    "TurnOnSinkFaucet": demo_turn.turn_lever_on,
+    "TurnOffSinkFaucet": demo_turn.turn_lever_off,
 }
 """How each task is done: what the hand does, given the object that is to be moved."""
 

@@ -6,6 +6,7 @@ The top of the counter is z = 0. Numbers are those of a real kitchen, within wha
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import radians
 
 from symskill_pddl.geometry import Array, Pose, frozen
 
@@ -41,22 +42,104 @@ DOOR = Box((-0.159, 0.0, 0.0), (0.009, 0.19, 0.25))
 """The door's panel when shut, in the cabinet's frame. The frame of the door is the centre of its panel."""
 DOOR_HINGE: Vec3 = (0.009, -0.19, 0.0)
 """A point of the hinge axis (vertical, opens to the right) in the door's frame."""
-DOOR_RANGE = 1.955
-"""The door opens 0 to 112 degrees; the joint's angle grows as it opens [rad]."""
 HANDLE: Vec3 = (-0.054, 0.145, -0.12)
 """Centre of the vertical handle bar in the door's frame: 4.5 cm in front of the panel, 4.5 cm from the free edge."""
 HANDLE_RADIUS = 0.007
 HANDLE_LENGTH = 0.12
 
+DRAWER_UNIT = Box((0.739, 0.43, 0.10), (0.161, 0.135, 0.10))
+"""Outer box of the chest on the left of the counter."""
+DRAWER_FRONT = Box((-0.170, 0.0, 0.0), (0.009, 0.13, 0.085))
+"""The drawer's front when shut, in the chest's frame. The frame of the drawer is the centre of its front."""
+DRAWER_BAR: Vec3 = (-0.071, 0.0, 0.03)
+"""Centre of the level bar in the drawer's frame: far enough from the front for a hand that looks down on it."""
+
+STOVE = Box((0.52, -0.09, 0.006), (0.18, 0.078, 0.006))
+"""A flat hob between where food is taken from the counter and where other foods stand; its knob is on the side of the robot."""
+BURNER: Vec3 = (0.10, 0.0, 0.007)
+"""Centre of the burner in the stove's frame; it is flat."""
+KNOB = Box((-0.11, 0.0, 0.024), (0.0225, 0.006, 0.014))
+"""The ridge one takes the knob by, off, in the stove's frame; it is turned about the vertical through its middle."""
+
+SINK = Box((0.51, -0.69, 0.04), (0.15, 0.13, 0.04))
+"""A basin that stands on the counter, at its right."""
+FAUCET: Vec3 = (0.05, 0.165, 0.0)
+"""Axis of the faucet's column, beside the basin, in the sink's frame."""
+LEVER = Box((0.005, 0.165, 0.078), (0.045, 0.007, 0.007))
+"""The lever on top of the column, off, pointing at the robot, in the sink's frame."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """What turns or slides in a unit. Its joint's position is 0 where it is shut or off and grows from there [rad] or [m].
+
+    Attributes
+    ----------
+    unit : str
+        What it moves in.
+    home : (float, float, float)
+        Origin of its frame in the unit's frame when shut; the axes then agree.
+    joint : str
+        'hinge' or 'slide', as MuJoCo calls them.
+    axis, pivot : (float, float, float)
+        Of the joint, in the part's frame.
+    travel : float
+        Largest position.
+    damping, friction, armature : float
+        Of the joint: [N s/m], [N] and [kg], or [Nm s/rad], [Nm] and [kg m2]. Friction keeps the part where it is left.
+    half : (float, float, float)
+        Half sizes [m].
+    grip : (float, float, float)
+        Where a hand takes it, in its frame.
+    shut, opened : float
+        At most, and at least, at this position it counts as shut or off, and as open or on.
+    """
+
+    unit: str
+    home: Vec3
+    joint: str
+    axis: Vec3
+    pivot: Vec3
+    travel: float
+    damping: float
+    friction: float
+    armature: float
+    half: Vec3
+    grip: Vec3
+    shut: float
+    opened: float
+
+
+UNITS = {"cabinet": CABINET, "drawer-unit": DRAWER_UNIT, "stove": STOVE, "sink": SINK}
+"""Fixtures that parts move in: their outer boxes (world)."""
+PARTS = {
+    "door": Part(
+        "cabinet", DOOR.center, "hinge", (0.0, 0.0, 1.0), DOOR_HINGE, 1.955, 1.5, 0.6, 0.01,
+        DOOR.half, HANDLE, shut=radians(3.0), opened=radians(75.0),
+    ),
+    "drawer": Part(
+        "drawer-unit", DRAWER_FRONT.center, "slide", (-1.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.20, 8.0, 2.0, 0.01,
+        DRAWER_FRONT.half, DRAWER_BAR, shut=0.01, opened=0.12,
+    ),
+    "knob": Part(
+        "stove", KNOB.center, "hinge", (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1.9, 0.05, 0.04, 0.0005,
+        KNOB.half, (0.0, 0.0, 0.0), shut=0.2, opened=1.2,
+    ),
+    "lever": Part(
+        "sink", LEVER.center, "hinge", (0.0, 0.0, -1.0), (0.045, 0.0, 0.0), 1.5, 0.1, 0.1, 0.001,
+        LEVER.half, (-0.03, 0.0, 0.0), shut=0.2, opened=0.9,
+    ),
+}  # fmt: skip
+
 FOODS: dict[str, Vec3] = {"cheese": (0.03, 0.02, 0.02), "bread": (0.02, 0.024, 0.024), "can": (0.025, 0.025, 0.024)}
 """Half sizes of the foods; each fits between the fingers across y."""
 FOOD_MASS = {"cheese": 0.12, "bread": 0.10, "can": 0.15}
 
-TYPES = {"cabinet": "cabinet", "door": "door", "counter": "counter"} | dict.fromkeys(FOODS, "food")
-"""Type of every object, in the order of the scene."""
+TYPES = {name: name for name in (*UNITS, *PARTS, "counter")} | dict.fromkeys(FOODS, "food")
+"""Type of every object, in the order of the scene: a fixture is a type of its own."""
 EXTENTS: dict[str, Vec3] = {
-    "cabinet": CABINET.half,
-    "door": DOOR.half,
+    **{name: box.half for name, box in UNITS.items()},
+    **{name: part.half for name, part in PARTS.items()},
     "counter": COUNTER.half,
     "food": (0.03, 0.025, 0.024),
 }

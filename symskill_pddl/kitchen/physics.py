@@ -13,7 +13,8 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.backend import load_mujoco
-from symskill_pddl.kitchen.model import ARM_JOINTS, DOOR_JOINT, EE_SITE, FINGER_JOINTS, kitchen_model
+from symskill_pddl.kitchen.fixtures import joint_of
+from symskill_pddl.kitchen.model import ARM_JOINTS, EE_SITE, FINGER_JOINTS, kitchen_model
 
 OPEN_APERTURE = 0.08
 _OPEN, _CLOSED = (0.04, -0.04), (-0.02, 0.02)
@@ -44,7 +45,8 @@ class Physics:
         self._arm_q = np.array([joint(name).qposadr[0] for name in ARM_JOINTS])
         self._arm_v = np.array([joint(name).dofadr[0] for name in ARM_JOINTS])
         self._finger_q = np.array([joint(name).qposadr[0] for name in FINGER_JOINTS])
-        self._door_q, self._door_v = int(joint(DOOR_JOINT).qposadr[0]), int(joint(DOOR_JOINT).dofadr[0])
+        self._part_q = {name: int(joint(joint_of(name)).qposadr[0]) for name in layout.PARTS}
+        self._part_v = {name: int(joint(joint_of(name)).dofadr[0]) for name in layout.PARTS}
         self._food_q = {name: int(joint(f"{name}_joint0").qposadr[0]) for name in layout.FOODS}
         self._food_v = {name: int(joint(f"{name}_joint0").dofadr[0]) for name in layout.FOODS}
         self._site = int(self.model.site(EE_SITE).id)
@@ -87,15 +89,19 @@ class Physics:
         """Joint positions (7,) [rad]."""
         return np.asarray(self.data.qpos[self._arm_q])
 
+    def position(self, part: str) -> float:
+        """How far a part is open [rad] or [m]."""
+        return float(self.data.qpos[self._part_q[part]])
+
     @property
     def door_angle(self) -> float:
         """[rad]"""
-        return float(self.data.qpos[self._door_q])
+        return self.position("door")
 
     @property
     def door_speed(self) -> float:
         """[rad/s]"""
-        return float(self.data.qvel[self._door_v])
+        return float(self.data.qvel[self._part_v["door"]])
 
     def speed(self, food: str) -> float:
         """Speed of a food's centre [m/s]."""
@@ -124,12 +130,13 @@ class Physics:
         self.controller.reset()
         self.forward()
 
-    def set_cabinet(self, shift: ArrayLike) -> None:
-        """Put the cabinet at its place in the layout plus `shift` (3,) [m]."""
-        self.model.body_pos[self._bodies["cabinet"]] = np.asarray(layout.CABINET.center) + np.asarray(shift)
+    def set_unit(self, name: str, shift: ArrayLike) -> None:
+        """Put a unit at its place in the layout plus `shift` (3,) [m]."""
+        self.model.body_pos[self._bodies[name]] = np.asarray(layout.UNITS[name].center) + np.asarray(shift)
 
-    def set_door(self, angle: float) -> None:
-        self.data.qpos[self._door_q], self.data.qvel[self._door_v] = angle, 0.0
+    def set_part(self, name: str, position: float) -> None:
+        """Open a part that far [rad] or [m], at rest."""
+        self.data.qpos[self._part_q[name]], self.data.qvel[self._part_v[name]] = position, 0.0
 
     def set_food(self, name: str, T_world_food: Pose) -> None:
         at, v = self._food_q[name], self._food_v[name]
@@ -164,7 +171,7 @@ class Physics:
         dt, torques, arm_v = model.opt.timestep, self.controller.torques, self._arm_v
         block = np.ix_(arm_v, arm_v)
         data.ctrl[self._fingers] = _CLOSED if close_gripper else _OPEN
-        data.qfrc_applied[self._door_v] = self.door_torque
+        data.qfrc_applied[self._part_v["door"]] = self.door_torque
         data.xfrc_applied[self._hand, :3] = self.hand_force
         for _ in range(steps):
             mj.mj_step1(model, data)

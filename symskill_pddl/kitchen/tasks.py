@@ -21,8 +21,6 @@ from symskill_pddl.kitchen.layout import Box, Vec3, hand_pose
 if TYPE_CHECKING:
     from symskill_pddl.kitchen.physics import Physics
 
-DOOR_OPEN = math.radians(75.0)
-DOOR_SHUT = math.radians(3.0)
 AT_REST = 0.01
 """Speed below which a food is at rest [m/s]."""
 HAND_AWAY = 0.08
@@ -36,6 +34,8 @@ COUNTER_ASIDE = (Box((0.46, -0.25, 0.0), (0.08, 0.04, 0.0)), Box((0.46, -0.42, 0
 """Where the other foods stand (world), out of the way."""
 CABINET_SPOT = Box((-0.08, -0.005, 0.0), (0.025, 0.04, 0.0))
 """Where a food stands in the cabinet, in the cabinet's frame: near the front, where the same steep hand fits in."""
+STANDING_SHIFT = (0.01, 0.01, 0.0)
+"""How far a unit on the counter may stand from its place, to either side [m]."""
 HAND_START = Box((0.42, 0.0, 0.32), (0.03, 0.05, 0.04))
 
 
@@ -57,20 +57,25 @@ class Episode:
     ----------
     focus : tuple of str
         Objects the task is about.
-    cabinet_shift : (float, float, float)
-        Where the cabinet hangs, relative to the layout [m].
-    door_angle : float
-        [rad]
+    shifts : dict of str to (float, float, float)
+        Where the units stand or hang, relative to the layout [m].
+    positions : dict of str to float
+        How far the parts are open [rad] or [m].
     foods : dict of str to Place
     T_start : Pose
         Start pose of the hand.
     """
 
     focus: tuple[str, ...]
-    cabinet_shift: Vec3
-    door_angle: float
+    shifts: dict[str, Vec3]
+    positions: dict[str, float]
     foods: dict[str, Place]
     T_start: Pose
+
+    @property
+    def cabinet_shift(self) -> Vec3:
+        """[m]"""
+        return self.shifts["cabinet"]
 
     def must_reach(self, T_world_door: Pose) -> tuple[Pose, ...]:
         """Hand poses without which the task cannot be done: the foods of the focus, and the handle where the door is."""
@@ -79,7 +84,7 @@ class Episode:
             for name, place in self.foods.items()
             if name in self.focus
         ]
-        if "door" in self.focus and self.door_angle < DOOR_OPEN / 2:
+        if "door" in self.focus and self.positions["door"] < layout.PARTS["door"].opened / 2:
             poses.append(hand_pose(T_world_door.apply(layout.HANDLE), math.radians(15.0), math.radians(42.0)))
         return tuple(poses)
 
@@ -110,28 +115,56 @@ def _place(rng: Generator, on: str, box: Box) -> Place:
     return Place(on, x, y, math.radians(float(rng.uniform(low, high))))
 
 
-def _draw(rng: Generator, focus: tuple[str, ...], food: str | None, food_on: str, door_deg: tuple[float, float]) -> Episode:
-    """An episode with `food` (one of the focus, or any) on the counter's spot or in the cabinet, and the others aside."""
+def _draw(
+    rng: Generator,
+    focus: tuple[str, ...],
+    food: str | None,
+    food_on: str,
+    door_deg: tuple[float, float] = (0.0, 0.0),
+    **opened: tuple[float, float],
+) -> Episode:
+    """An episode with `food` (one of the focus, or any) on the counter's spot or in the cabinet, and the others aside.
+
+    `opened` says between which positions other parts than the door are; those not named are shut.
+    """
+    # a stream of its own: what is added to the kitchen leaves the rest of an episode as it was
+    more = rng.spawn(1)[0]
     names = list(layout.FOODS)
     main = food or names[int(rng.integers(len(names)))]
     spot = _place(rng, food_on, CABINET_SPOT if food_on == "cabinet" else COUNTER_SPOT)
     aside = rng.permutation(len(COUNTER_ASIDE))
     others = [name for name in names if name != main]
     foods = {main: spot} | {name: _place(rng, "counter", COUNTER_ASIDE[int(i)]) for name, i in zip(others, aside, strict=True)}
-    shift = _uniform(rng, Box((0.0, 0.0, 0.0), (0.02, 0.02, 0.02)))
-    angle = math.radians(float(rng.uniform(*door_deg)))
+    shifts = {"cabinet": _uniform(rng, Box((0.0, 0.0, 0.0), (0.02, 0.02, 0.02)))}
+    positions = {"door": math.radians(float(rng.uniform(*door_deg)))}
+    for name in layout.UNITS:
+        if name not in shifts:
+            shifts[name] = _uniform(more, Box((0.0, 0.0, 0.0), STANDING_SHIFT))
+    for name in layout.PARTS:
+        if name not in positions:
+            positions[name] = float(more.uniform(*opened.get(name, (0.0, 0.0))))
     yaw, pitch = (math.radians(float(rng.uniform(*limits))) for limits in ((-10.0, 10.0), (65.0, 85.0)))
     start = hand_pose(_uniform(rng, HAND_START), yaw, pitch)
     focus = tuple(main if name == "food" else name for name in focus)
-    return Episode(focus, shift, angle, {name: foods[name] for name in names}, start)
+    return Episode(focus, shifts, positions, {name: foods[name] for name in names}, start)
+
+
+def _anywhere(rng: Generator) -> str:
+    return ("counter", "cabinet")[int(rng.integers(2))]
 
 
 def _open_door(rng: Generator) -> Episode:
-    return _draw(rng, ("door", "cabinet"), None, ("counter", "cabinet")[int(rng.integers(2))], (0.0, 0.0))
+    return _draw(rng, ("door", "cabinet"), None, _anywhere(rng))
 
 
 def _close_door(rng: Generator) -> Episode:
-    return _draw(rng, ("door", "cabinet"), None, ("counter", "cabinet")[int(rng.integers(2))], (75.0, 100.0))
+    return _draw(rng, ("door", "cabinet"), None, _anywhere(rng), (75.0, 100.0))
+
+
+def _with_part(part: str, *start: float) -> Callable[[Generator], Episode]:
+    """Episodes about a part of a unit on the counter, at first shut or somewhere between the two positions of `start`."""
+    focus, opened = (part, layout.PARTS[part].unit), {part: (start[0], start[1])} if start else {}
+    return lambda rng: _draw(rng, focus, None, _anywhere(rng), **opened)
 
 
 def _cab_to_counter(rng: Generator) -> Episode:
@@ -153,10 +186,20 @@ def _food_of(episode: Episode) -> str:
     return next(name for name in episode.focus if name in layout.FOODS)
 
 
-def hand_off_door(physics: Physics) -> bool:
-    """The hand touches the door nowhere and does not enclose the handle."""
-    handle = physics.T_world("door").apply(layout.HANDLE)
-    return not physics.robot_touches("door") and float(np.linalg.norm(physics.T_world_ee().p - handle)) > HAND_AWAY
+def hand_off(physics: Physics, part: str) -> bool:
+    """The hand touches the part nowhere and does not enclose what it is taken by."""
+    grip = physics.T_world(part).apply(layout.PARTS[part].grip)
+    return not physics.robot_touches(part) and float(np.linalg.norm(physics.T_world_ee().p - grip)) > HAND_AWAY
+
+
+def is_open(physics: Physics, part: str) -> bool:
+    """The part is open far enough and let go of."""
+    return physics.position(part) >= layout.PARTS[part].opened and hand_off(physics, part)
+
+
+def is_shut(physics: Physics, part: str) -> bool:
+    """The part is shut and let go of."""
+    return physics.position(part) <= layout.PARTS[part].shut and hand_off(physics, part)
 
 
 def let_go(physics: Physics, food: str) -> bool:
@@ -177,12 +220,12 @@ def in_cabinet(physics: Physics, food: str) -> bool:
     return layout.CABINET_INSIDE.contains(p) and bool(p[2] - floor < 0.06)
 
 
-def _door_open(physics: Physics, episode: Episode) -> bool:  # noqa: ARG001 (judges share one signature)
-    return physics.door_angle >= DOOR_OPEN and hand_off_door(physics)
+def _opened(physics: Physics, episode: Episode) -> bool:
+    return is_open(physics, episode.focus[0])
 
 
-def _door_shut(physics: Physics, episode: Episode) -> bool:  # noqa: ARG001
-    return physics.door_angle <= DOOR_SHUT and hand_off_door(physics)
+def _shut(physics: Physics, episode: Episode) -> bool:
+    return is_shut(physics, episode.focus[0])
 
 
 def _on_counter(physics: Physics, episode: Episode) -> bool:
@@ -213,14 +256,20 @@ class TaskSpec:
 TASKS: dict[str, TaskSpec] = {
     spec.name: spec
     for spec in (
-        TaskSpec("OpenSingleDoor", _open_door, _door_open),
-        TaskSpec("CloseSingleDoor", _close_door, _door_shut),
+        TaskSpec("OpenSingleDoor", _open_door, _opened),
+        TaskSpec("CloseSingleDoor", _close_door, _shut),
         TaskSpec("PnPCabToCounter", _cab_to_counter, _on_counter),
         TaskSpec("PnPCounterToCab", _counter_to_cab, _in_cabinet),
+        TaskSpec("OpenDrawer", _with_part("drawer"), _opened),
+        TaskSpec("CloseDrawer", _with_part("drawer", 0.14, 0.185), _shut),
+        TaskSpec("TurnOnStove", _with_part("knob"), _opened),
+        TaskSpec("TurnOffStove", _with_part("knob", 1.45, 1.75), _shut),
+        TaskSpec("TurnOnSinkFaucet", _with_part("lever"), _opened),
+        TaskSpec("TurnOffSinkFaucet", _with_part("lever", 1.1, 1.35), _shut),
         TaskSpec(
             "StoreCheese",
             _store_cheese,
-            lambda physics, episode: _on_counter(physics, episode) and _door_shut(physics, episode),
+            lambda physics, episode: _on_counter(physics, episode) and is_shut(physics, "door"),
             goal_of=("PnPCabToCounter", "CloseSingleDoor"),
         ),
     )

@@ -118,8 +118,10 @@ def make(task: str, seed: int, disturbances: Iterable[Disturbance] = ()) -> Kitc
 def _set_up(physics: Physics, episode: Episode) -> bool:
     """Put everything in place and let it come to rest; False when the arm could not reach what it has to."""
     physics.reset()
-    physics.set_cabinet(episode.cabinet_shift)
-    physics.set_door(episode.door_angle)
+    for unit, shift in episode.shifts.items():
+        physics.set_unit(unit, shift)
+    for part, position in episode.positions.items():
+        physics.set_part(part, position)
     for name, place in episode.foods.items():
         physics.set_food(name, food_pose(name, place, episode.cabinet_shift))
     start = arm.solve(physics, episode.T_start)
@@ -134,4 +136,5 @@ def _set_up(physics: Physics, episode: Episode) -> bool:
     physics.set_arm(start)
     physics.start_clock()
     moved = (np.linalg.norm(physics.T_world(n).p - food_pose(n, at, episode.cabinet_shift).p) for n, at in episode.foods.items())
-    return bool(max(moved) < 0.01 and abs(physics.door_angle - episode.door_angle) < 0.02)
+    turned = (abs(physics.position(part) - position) for part, position in episode.positions.items())
+    return bool(max(moved) < 0.01 and max(turned) < 0.02)

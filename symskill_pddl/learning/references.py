@@ -45,7 +45,7 @@ class ReferenceConfig:
     aligned_rad: float = float(np.radians(10.0))
     """Of what is hinged or slides: weight of lying as its reference does in one of its rests, and decay angle."""
     minority: int = 1
-    """Groups of at most this many rests join a larger group if its type scores nearly as well."""
+    """Groups of at most this many guesses join a larger group if its type scores nearly as well."""
     nearly: float = 0.35
 
 
@@ -84,7 +84,8 @@ def place(
         if scores:
             best = max(sorted(scores), key=lambda name: scores[name])
             groups[rests[i][0].objects[best]].append(i)
-    groups = _absorbed(groups, rests, table, config)
+    guesses = [(demo.where, rest.obj, 0 if hinged else i) for i, (demo, rest) in enumerate(rests)]
+    groups = _absorbed(groups, guesses, rests, table, config)
     chosen: dict[int, Placement] = {}
     for members in groups.values():
         totals = _type_scores(members, rests, table)
@@ -187,12 +188,15 @@ def _type_scores(
 
 def _absorbed(
     groups: Mapping[str, list[int]],
+    guesses: Sequence[tuple[str, str, int]],
     rests: Sequence[tuple[Demo, Rest]],
     table: Sequence[Mapping[str, float]],
     config: ReferenceConfig,
 ) -> dict[str, list[int]]:
     """Tiny groups join the large group whose type explains them nearly as well: one odd guess is not another resting place."""
-    large = {t: list(m) for t, m in groups.items() if len(m) > config.minority or sum(map(len, groups.values())) <= 3}
+    # rests that were scored together are one guess
+    size = {t: len({guesses[i] for i in m}) for t, m in groups.items()}
+    large = {t: list(m) for t, m in groups.items() if size[t] > config.minority or sum(size.values()) <= 3}
     result = {t: list(m) for t, m in large.items()}
     for type_, members in sorted(groups.items()):
         if type_ in large:

@@ -80,8 +80,11 @@ def fit_field(trajectories: Sequence[Trajectory], config: FitConfig) -> Field:
     position, of_position = fit_position(trajectories, goal_p, config)
     orientation, of_orientation = fit_orientation(trajectories, goal_q, config)
     errors = [(t.T_frame_ee.p - goal_p, orientation.error(t.T_frame_ee.q)) for t in trajectories]
-    pairing = fit_pairing(
-        [np.sqrt((e_p @ of_position.P * e_p).sum(-1)) for e_p, _ in errors],
-        [np.linalg.norm(np.atleast_2d(e_q), axis=-1) for _, e_q in errors],
-    )
+    pairing = Pairing.none()
+    # who turns in place is not in step with a position: what wanders a little, and does not move on in a grip that holds it
+    if max(float(np.linalg.norm(e_p, axis=-1).max()) for e_p, _ in errors) > config.tolerance_m:
+        pairing = fit_pairing(
+            [np.sqrt((e_p @ of_position.P * e_p).sum(-1)) for e_p, _ in errors],
+            [np.linalg.norm(np.atleast_2d(e_q), axis=-1) for _, e_q in errors],
+        )
     return Field(position, orientation, (of_position, of_orientation), pairing)

@@ -6,6 +6,7 @@ from numpy.random import default_rng
 
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import TASKS, arm, layout, make
+from symskill_pddl.kitchen.demo_hand import facing
 from symskill_pddl.kitchen.tasks import COUNTER_REGION, food_pose
 
 SEEDS = range(30)
@@ -45,9 +46,13 @@ def put(kitchen, food, p):
     kitchen.physics.forward()
 
 
-def turn(kitchen, degrees):
-    kitchen.physics.set_door(np.radians(degrees))
+def move(kitchen, part, position):
+    kitchen.physics.set_part(part, position)
     kitchen.physics.forward()
+
+
+def turn(kitchen, degrees):
+    move(kitchen, "door", np.radians(degrees))
 
 
 @pytest.mark.simulation
@@ -59,6 +64,42 @@ def test_door_judges(task, angle, success):
     kitchen = make(task, 0)
     turn(kitchen, angle)
     assert kitchen.succeeded() is success
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize(("task", "part", "position", "success"), [
+    ("OpenDrawer", "drawer", 0.18, True), ("OpenDrawer", "drawer", 0.121, True), ("OpenDrawer", "drawer", 0.10, False),
+    ("CloseDrawer", "drawer", 0.0, True), ("CloseDrawer", "drawer", 0.009, True), ("CloseDrawer", "drawer", 0.03, False),
+    ("TurnOnStove", "knob", 1.7, True), ("TurnOnStove", "knob", 1.0, False), ("TurnOnStove", "knob", 0.0, False),
+    ("TurnOffStove", "knob", 0.1, True), ("TurnOffStove", "knob", 0.4, False), ("TurnOffStove", "knob", 1.7, False),
+    ("TurnOnSinkFaucet", "lever", 1.0, True), ("TurnOnSinkFaucet", "lever", 0.7, False),
+    ("TurnOffSinkFaucet", "lever", 0.1, True), ("TurnOffSinkFaucet", "lever", 0.3, False),
+])  # fmt: skip
+def test_judges_of_parts(task, part, position, success):
+    kitchen = make(task, 0)
+    assert kitchen.focus == (part, layout.PARTS[part].unit)
+    move(kitchen, part, position)
+    assert kitchen.succeeded() is success
+
+
+def test_parts_that_a_task_is_not_about_are_shut():
+    for name, spec in TASKS.items():
+        for seed in SEEDS:
+            episode = spec.draw(default_rng(seed))
+            assert set(episode.positions) == set(layout.PARTS)
+            assert set(episode.shifts) == set(layout.UNITS)
+            others = [p for p in layout.PARTS if p != "door" and p not in episode.focus]
+            assert all(episode.positions[p] == 0.0 for p in others), name
+
+
+@pytest.mark.simulation
+def test_a_hand_on_the_bar_of_a_shut_drawer_is_no_success():
+    kitchen = make("CloseDrawer", 0)
+    move(kitchen, "drawer", 0.0)
+    bar = kitchen.physics.T_world("drawer").apply(layout.PARTS["drawer"].grip)
+    kitchen.physics.set_arm(arm.solve(kitchen.physics, Pose(bar, facing(0.0, np.radians(60), -np.pi / 2))))
+    kitchen.physics.forward()
+    assert not kitchen.succeeded()
 
 
 @pytest.mark.simulation

@@ -86,3 +86,31 @@ def test_one_odd_guess_follows_the_others():
 def test_a_scene_of_one_object_has_no_reference():
     demo = scene(cheese=yaw_pose([0, 0, 0]))
     assert place([(demo, rest(demo, "cheese", 0, 10))], False, {}) == ()
+
+
+def test_what_slides_keeps_its_reference_when_it_is_nearer_to_another():
+    """A drawer pulled out of its chest is nearer to the counter below than to the chest; it belongs to the chest all the same."""
+    extents = {"chest": (0.16, 0.135, 0.1), "counter": (0.36, 0.9, 0.02), "drawer": (0.009, 0.13, 0.085)}
+    rests = []
+    for k in range(3):
+        for x in (0.57, 0.37):
+            demo = scene(
+                f"demo_{k}",
+                chest=yaw_pose([0.74 + 0.01 * k, 0.43, 0.1]),
+                counter=FIXTURES["counter"],
+                drawer=yaw_pose([x + 0.01 * k, 0.43, 0.1]),
+            )
+            rests.append((demo, rest(demo, "drawer", 0, 10)))
+    assert {found.ref for found in place(rests[1::2], False, extents)} == {"counter"}
+    assert {found.ref for found in place(rests, True, extents)} == {"chest"}
+
+
+def test_what_is_hinged_does_not_belong_to_what_stands_by_it_once():
+    """One recording with a tin right beside the lever does not make the tin what the lever is hinged to."""
+    rests = []
+    for k in range(5):
+        poses = {"sink": yaw_pose([0.2, 0, 0]), "tin": yaw_pose([0.0, 0.08 if k == 0 else 0.9, 0])}
+        for yaw in (0.0, 1.2):
+            demo = scene(f"demo_{k}", lever=yaw_pose([0.0, 0, 0], yaw), **poses)
+            rests.append((demo, rest(demo, "lever", 0, 10)))
+    assert [found.ref for found in place(rests, True, {})] == ["sink"] * 10

@@ -219,3 +219,19 @@ def test_step_on_the_group_is_no_longer_than_in_the_tangent_space():
     step = rng.normal(size=(500, 3))
     after = quat_log(quat_multiply(quat_exp(step), quat_exp(e)))
     assert np.all(np.linalg.norm(after, axis=1) <= np.linalg.norm(e + step, axis=1) + 1e-9)
+
+
+def test_a_turn_in_place_does_not_wait_for_a_position_that_is_held():
+    """A knob holds the hand a few millimetres from where it was held in the demonstrations: it has to be turned all the same."""
+
+    def twist(seed: int) -> Trajectory:
+        rng = np.random.default_rng(seed)
+        times = np.linspace(0, 3, 60)
+        s = np.linspace(0, 1, 60)
+        p = np.outer(1 - s, rng.uniform(-0.003, 0.003, 3)) + 0.001 * np.sin(3 * s)[:, None]
+        return Trajectory(times, Pose(p, quat_exp(np.outer(1.6 * (1 - s), [0, 0, 1.0]))))
+
+    (turning,) = fit_fields([twist(seed) for seed in range(6)], FitConfig())
+    p = turning.T_goal.p + np.array([0.004, 0.0, 0.0])
+    for angle in (1.5, 1.0, 0.5, 0.1):
+        assert turning.twist(Pose(p, quat_exp([0.0, 0.0, angle])))[5] < -0.2, angle
