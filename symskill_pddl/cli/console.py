@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from threading import Timer
 from typing import Any
 
 from rich.console import Console
@@ -17,6 +18,10 @@ from symskill_pddl.errors import InputError
 
 WIDTH = 120
 """Columns of a table that goes to a file or another program."""
+
+
+PATIENCE_S = 2.0
+"""What takes longer than this is announced where there is no terminal."""
 
 
 def out() -> Console:
@@ -67,10 +72,15 @@ def table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]]) 
 def progress(text: str, total: int | None = None) -> Iterator[Advance]:
     """Show on standard error that something takes its time, and for how long; the value tells how it goes on."""
     error = Console(stderr=True, highlight=False)
-    # without a terminal there is nothing to animate: say what begins, once
     if not error.is_terminal:
-        remark(text)
-        yield Advance()
+        # nothing to animate: what takes long is said once, what is refused at once gets its error alone
+        line = Timer(PATIENCE_S, remark, (text,))
+        line.daemon = True
+        line.start()
+        try:
+            yield Advance()
+        finally:
+            line.cancel()
         return
     counted = (BarColumn(), MofNCompleteColumn()) if total is not None else ()
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), *counted, TimeElapsedColumn())
