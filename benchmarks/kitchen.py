@@ -43,7 +43,6 @@ class Entry:
 SHUT = PRESETS["disturbed"].disturbances
 SUITES = (
     Entry("atomic", ATOMIC),
-    Entry("atomic-unmonitored", ATOMIC, monitor=False),
     Entry("composed", COMPOSED),
     Entry("composed-unmonitored", COMPOSED, monitor=False),
     Entry("disturbed", COMPOSED, disturbances=SHUT),
