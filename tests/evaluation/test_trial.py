@@ -17,7 +17,7 @@ pytestmark = pytest.mark.simulation
 def door_at(name: str, angle_deg: float) -> Classifier:
     """The door's relation to its cabinet when it is open by an angle, within a few degrees and centimetres."""
     kitchen = make("CloseSingleDoor", 0)
-    kitchen.physics.set_door(np.radians(angle_deg))
+    kitchen.physics.set_part("door", np.radians(angle_deg))
     kitchen.physics.forward()
     T: Pose = kitchen.physics.T_world("cabinet").inverse() @ kitchen.physics.T_world("door")
     return Classifier(Predicate(name, ("door", "cabinet")), "door", "cabinet", T, np.eye(3) * 1e-4, np.eye(3) * 1e-3, 3.0, 3.0)
@@ -41,7 +41,7 @@ LIBRARY = Library(
 def episode(monkeypatch: pytest.MonkeyPatch, angle_deg: float) -> trial.Episode:
     def at_angle(task: str, seed: int, disturbances: object = ()) -> Kitchen:
         kitchen = make(task, seed)
-        kitchen.physics.set_door(np.radians(angle_deg))
+        kitchen.physics.set_part("door", np.radians(angle_deg))
         kitchen.physics.forward()
         return kitchen
 
