@@ -183,8 +183,9 @@ def evaluate(
     work.open_library(library)
     count, checksum = len(asked.episodes), work.checksum(library)
     with Partial(partial_path(output), asked.settings(checksum), asked.tasks) as partial:
-        so_far = f", {len(partial.done)} of them done before" if partial.done else ""
-        with progress(f"{count} episodes{so_far}", total=count) as advance:
+        if partial.done:
+            remark(f"{count} episodes, {len(partial.done)} of them done before")
+        with progress(f"{count} episodes", total=count) as advance:
             advance(len(partial.done))
 
             def done(task: str, episode: EpisodeResult) -> None:

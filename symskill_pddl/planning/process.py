@@ -9,6 +9,7 @@ import select
 import signal
 import subprocess
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from symskill_pddl.errors import InputError
@@ -44,16 +45,18 @@ def run(
     with output.open("wb") as stream, (stdin or Path(os.devnull)).open("rb") as source:
         try:
             process = subprocess.Popen(
-                words, cwd=folder, stdin=source, stdout=stream, stderr=subprocess.STDOUT, start_new_session=True
+                words,
+                cwd=folder,
+                stdin=source,
+                stdout=stream,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+                # before the program begins: set from outside, the limits came too late for a quick one
+                preexec_fn=partial(_limit, limits.memory_mb * 1024 * 1024),
             )
         except OSError as error:
             raise InputError(f"cannot run the planner '{words[0]}': {error.strerror}") from None
         try:
-            if hasattr(resource, "prlimit"):
-                memory = limits.memory_mb * 1024 * 1024
-                with contextlib.suppress(ProcessLookupError, PermissionError):
-                    resource.prlimit(process.pid, resource.RLIMIT_AS, (memory, memory))
-                    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (_OUTPUT_BYTES, _OUTPUT_BYTES))
             try:
                 return _wait(process, time_s)
             except subprocess.TimeoutExpired:
@@ -64,6 +67,14 @@ def run(
         finally:
             _signal(process.pid, signal.SIGKILL)
             process.wait()
+
+
+def _limit(memory_bytes: int) -> None:
+    """In the child: bounds on the address space and on what is written."""
+    for kind, bound in ((resource.RLIMIT_AS, memory_bytes), (resource.RLIMIT_FSIZE, _OUTPUT_BYTES)):
+        hard = resource.getrlimit(kind)[1]
+        least = bound if hard == resource.RLIM_INFINITY else min(bound, hard)
+        resource.setrlimit(kind, (least, least))
 
 
 def _wait(process: subprocess.Popen[bytes], time_s: float) -> int:
