@@ -26,6 +26,8 @@ class OperatorConfig:
 
     odd_of: int = 3
     """A transition that one demonstration shows, of a task with at least this many, is odd and left out."""
+    absent_from: int = 2
+    """Least number of transitions that have to witness an absence before it becomes a precondition; one may be chance."""
     default_half_m: float = 0.03
     """Half size of objects whose extents are not known."""
 
@@ -249,7 +251,7 @@ def _negatives(
             if any(a.predicate in siblings and a.args[1] == parameter.name for a in positive):
                 continue  # where it has to be is a precondition already
             witnesses = _witnesses(group, c.child)
-            if not witnesses or any(_related(t, t.before, c, t.args[position]) for t in witnesses):
+            if len(witnesses) < config.absent_from or any(_related(t, t.before, c, t.args[position]) for t in witnesses):
                 continue
             if any(_related_any(s, c) for _, s in elsewhere):
                 variable = "?other" if c.child == arguments[0].type else f"?any-{slug(c.child)}"
