@@ -21,13 +21,13 @@ def record(
     """Record demonstrations of a task in the simulated kitchen."""
     from symskill_pddl.demos import save_demos
     from symskill_pddl.kitchen import task_named
-    from symskill_pddl.kitchen.record import record as record_demos
+    from symskill_pddl.kitchen.record import record_with_truth
 
     task_named(task)
     require_folder(output)
     with progress(f"recording {n} demonstrations of {task}"):
-        demos = record_demos(task, n, seed)
-    save_demos(output, demos)
+        demos, truths = record_with_truth(task, n, seed)
+    save_demos(output, demos, truths)
     remark(f"{output}: {len(demos)} demonstrations, {sum(d.duration_s for d in demos):.0f} s")
 
 

@@ -3,5 +3,17 @@
 from symskill_pddl.demos.demo import Demo, merged_extents
 from symskill_pddl.demos.hdf5 import decode_demos, encode_demos, load_demos, save_demos
 from symskill_pddl.demos.robosuite_import import import_robosuite
+from symskill_pddl.demos.truth import Move, Truth, load_truths
 
-__all__ = ["Demo", "decode_demos", "encode_demos", "import_robosuite", "load_demos", "merged_extents", "save_demos"]
+__all__ = [
+    "Demo",
+    "Move",
+    "Truth",
+    "decode_demos",
+    "encode_demos",
+    "import_robosuite",
+    "load_demos",
+    "load_truths",
+    "merged_extents",
+    "save_demos",
+]

@@ -11,6 +11,8 @@
         objects
           <name>       (n, 7)  attribute: type
 
+Beside `data` there may be a group `truth` (`truth`): what really happened, for scores. Nothing here reads it.
+
 The same demonstrations give the same bytes: no time stamps, fixed order, fixed library version. `checksum` covers all that is
 read. Nothing is trusted on the way in: every fault becomes one `FormatError` that names the file and the path inside it.
 """
@@ -21,13 +23,14 @@ import hashlib
 import io
 import json
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from symskill_pddl.demos.demo import Demo
+from symskill_pddl.demos.truth import Truth, write_truth
 from symskill_pddl.errors import FormatError, InputError, alternatives
 from symskill_pddl.files import write_atomic
 from symskill_pddl.geometry import Array, Pose
@@ -46,18 +49,20 @@ def natural_key(name: str) -> tuple[tuple[int, int, str], ...]:
     return tuple((0, int(part), "") if part.isdigit() else (1, 0, part) for part in re.split(r"(\d+)", name) if part)
 
 
-def save_demos(path: str | Path, demos: Iterable[Demo]) -> None:
+def save_demos(path: str | Path, demos: Iterable[Demo], truths: Mapping[str, Truth] | None = None) -> None:
     """Write demonstrations atomically; on any failure the file at `path` is as it was.
+
+    `truths`: what really happened in those of these names, which goes beside them.
 
     Raises
     ------
     InputError
         If there is none, two share a name, an attribute's name is taken by the format, or the file cannot be written.
     """
-    write_atomic(path, encode_demos(demos, str(path)))
+    write_atomic(path, encode_demos(demos, str(path), truths))
 
 
-def encode_demos(demos: Iterable[Demo], where: str = "memory") -> bytes:
+def encode_demos(demos: Iterable[Demo], where: str = "memory", truths: Mapping[str, Truth] | None = None) -> bytes:
     """The content of a file of demonstrations: the same demonstrations, in any order, the same bytes.
 
     Raises
@@ -76,7 +81,11 @@ def encode_demos(demos: Iterable[Demo], where: str = "memory") -> bytes:
             raise InputError(f"{demo.where}: the attribute name '{taken[0]}' belongs to the file format; call it something else")
         if any("\0" in text for text in (demo.task, *map(str, demo.attributes), *map(str, demo.attributes.values()))):
             raise InputError(f"{demo.where}: a text holds a NUL character, which HDF5 cannot store")
-    return _encode(demos)
+    lengths = {demo.name: len(demo) for demo in demos}
+    for name, truth in sorted((truths or {}).items()):
+        if any(values.shape != (lengths.get(name),) for values in truth.relations.values()) or name not in lengths:
+            raise InputError(f"'{where}': the truth of '{name}' does not belong to a demonstration of that name and length")
+    return _encode(demos, truths or {})
 
 
 def load_demos(path: str | Path) -> tuple[Demo, ...]:
@@ -106,7 +115,7 @@ def decode_demos(content: bytes, source: str) -> tuple[Demo, ...]:
 # ---------------------------------------------------------------------------------------------------------------- writing
 
 
-def _encode(demos: list[Demo]) -> bytes:
+def _encode(demos: list[Demo], truths: Mapping[str, Truth]) -> bytes:
     import h5py
 
     buffer = io.BytesIO()
@@ -120,6 +129,8 @@ def _encode(demos: list[Demo]) -> bytes:
         data.attrs["checksum"] = _checksum(demos)
         for demo in demos:
             _write_demo(_group(data, demo.name), demo)
+        if truths:
+            write_truth(file, truths, _group)
     return buffer.getvalue()
 
 

@@ -17,6 +17,8 @@ from symskill_pddl.kitchen.fixtures import joint_of
 from symskill_pddl.kitchen.model import ARM_JOINTS, EE_SITE, FINGER_JOINTS, kitchen_model
 
 OPEN_APERTURE = 0.08
+ROBOT = "robot"
+"""Stands for every part of the robot among what touches."""
 _OPEN, _CLOSED = (0.04, -0.04), (-0.02, 0.02)
 
 
@@ -55,6 +57,7 @@ class Physics:
         self._bodies = {name: int(self.model.body(body).id) for name, body in zip(layout.TYPES, bodies, strict=True)}
         self._body_ids = np.array(list(self._bodies.values()))
         self._robot = {b for b in range(self.model.nbody) if self.model.body(b).name.startswith(("robot0", "gripper0"))}
+        self._owner = self._owners()
         actuator = self.model.actuator
         self._motors = np.array([actuator(n.replace("robot0_joint", "robot0_torq_j")).id for n in ARM_JOINTS])
         self._fingers = np.array([actuator(f"gripper0_right_gripper_finger_joint{i}").id for i in (1, 2)])
@@ -113,6 +116,25 @@ class Physics:
         body = self._bodies[name]
         owners = self.model.geom_bodyid[self.data.contact.geom[: self.data.ncon]]
         return any((a == body and b in self._robot) or (b == body and a in self._robot) for a, b in owners.tolist())
+
+    @property
+    def loose(self) -> tuple[str, ...]:
+        """Objects that nothing holds in place."""
+        return tuple(name for name, body in self._bodies.items() if self.model.body_dofnum[body] == 6)
+
+    def contacts(self) -> frozenset[tuple[str, str]]:
+        """Pairs of what touches, in alphabetical order: objects, and `ROBOT`."""
+        owners = self.model.geom_bodyid[self.data.contact.geom[: self.data.ncon]].tolist()
+        pairs = ((self._owner[a], self._owner[b]) for a, b in owners)
+        return frozenset((min(a, b), max(a, b)) for a, b in pairs if a and b and a != b)
+
+    def _owners(self) -> list[str]:
+        """By body: the object that it is or belongs to, `ROBOT`, or '' for the room."""
+        names = {body: name for name, body in self._bodies.items()} | dict.fromkeys(self._robot, ROBOT)
+        owner = [""] * self.model.nbody
+        for body in range(1, self.model.nbody):  # parents come first
+            owner[body] = names.get(body, owner[self.model.body_parentid[body]])
+        return owner
 
     # --- setting the state, for episodes and tests
 

@@ -7,16 +7,26 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from symskill_pddl.demos.demo import Demo
+from symskill_pddl.demos.truth import Truth
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import make
 from symskill_pddl.kitchen.demonstrator import demonstrate
+from symskill_pddl.kitchen.human import Faults
+from symskill_pddl.kitchen.truth import TruthLog
 from symskill_pddl.scene import Scene
 
 MAX_SEED = 2**31 - 1
 
 
 def record(task: str, n: int, seed: int, keep_failed: bool = False) -> tuple[Demo, ...]:
+    """The demonstrations of `record_with_truth` alone."""
+    return record_with_truth(task, n, seed, keep_failed)[0]
+
+
+def record_with_truth(
+    task: str, n: int, seed: int, keep_failed: bool = False, faults: Faults | None = None
+) -> tuple[tuple[Demo, ...], dict[str, Truth]]:
     """`n` demonstrations of a task by people who differ; the same arguments give the same bytes.
 
     Parameters
@@ -29,11 +39,15 @@ def record(task: str, n: int, seed: int, keep_failed: bool = False) -> tuple[Dem
         The first episode's seed; the following episodes have the following seeds.
     keep_failed : bool
         Keep the episodes in which the judge saw no success. Otherwise they are dropped and the next seeds are tried.
+    faults : Faults, optional
+        What goes wrong in all of them; drawn for each when not given.
 
     Returns
     -------
     tuple of Demo
         In order of their seeds; attributes `seed` and `success` (0 or 1).
+    dict of str to Truth
+        By name of demonstration: what really happened.
 
     Raises
     ------
@@ -43,19 +57,22 @@ def record(task: str, n: int, seed: int, keep_failed: bool = False) -> tuple[Dem
     if n < 1 or seed < 0 or seed > MAX_SEED:
         raise InputError(f"recording needs at least 1 demonstration and a seed from 0 to {MAX_SEED}, got {n} and {seed}")
     demos: list[Demo] = []
+    truths: dict[str, Truth] = {}
     limit = n if keep_failed else 2 * n + 10
     for episode in range(seed, seed + limit):
         if len(demos) == n:
             break
         world = make(task, episode)
-        scenes = demonstrate(world, np.random.default_rng([episode, 1]))
+        log = TruthLog(world)
+        scenes = demonstrate(world, np.random.default_rng([episode, 1]), faults=faults)
         success = world.succeeded()
         if success or keep_failed:
             attributes: dict[str, str | int | float] = {"seed": episode, "success": int(success)}
             demos.append(demo_of(scenes, f"demo_{len(demos)}", task, world.extents, attributes))
+            truths[demos[-1].name] = log.truth()
     if len(demos) < n:
         raise InputError(f"task '{task}': of {limit} episodes from seed {seed} on only {len(demos)} succeeded, not {n}")
-    return tuple(demos)
+    return tuple(demos), truths
 
 
 def demo_of(

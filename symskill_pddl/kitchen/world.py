@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.random import default_rng
@@ -33,11 +33,14 @@ class Kitchen:
         What will be done to the scene.
     extents : dict of str to (float, float, float)
         Half sizes per type [m].
+    watchers : list of callable
+        Called with every scene that `step` returns.
     """
 
     def __init__(self, spec: TaskSpec, episode: Episode, physics: Physics, disturbances: tuple[Disturbance, ...] = ()) -> None:
         self.spec, self.episode, self.physics, self.disturbances = spec, episode, physics, disturbances
         self.extents = dict(layout.EXTENTS)
+        self.watchers: list[Callable[[Scene], None]] = []
         self.forced_open = False
         self._closed = False
 
@@ -77,7 +80,10 @@ class Kitchen:
             disturbance.act(self)
         self._closed = command.close_gripper
         self.physics.advance(_limited(command.twist), command.close_gripper and not self.forced_open, PHYSICS_STEPS)
-        return self.observe()
+        scene = self.observe()
+        for watch in self.watchers:
+            watch(scene)
+        return scene
 
     def notify_step(self, k: int) -> None:
         """The executor starts its k-th operator (from 0): disturbances may wait for it."""
