@@ -101,9 +101,9 @@ def _mahalanobis(residual: Array, inverse: Array) -> Array:
 
 
 def swing(q: Array, axis: Array) -> Array:
-    """The part of rotations q (..., 4) that is left when the turn about `axis` (3,), unit, is taken out: ``q = swing *
+    """The part of rotations q (..., 4) that is left when the turn about `axis` (..., 3), unit, is taken out: ``q = swing *
     twist``."""
-    along = q[..., 1:] @ axis
+    along = (q[..., 1:] * axis).sum(-1)
     twist = np.concatenate([q[..., :1], along[..., None] * axis], axis=-1)
     norm = np.linalg.norm(twist, axis=-1, keepdims=True)
     # a half turn about a perpendicular axis holds no twist that could be told
@@ -153,39 +153,94 @@ def abstract(
     open_atom = Atom(GRIPPER_OPEN)
     if (gripper or GripperRule()).holds(scene.aperture, scene.gripper_closed, before=open_atom in before):
         state.add(open_atom)
-    # all relative poses in one batch: this is on the path of every control tick
-    parents, children, groups = _table(tuple(classifiers), tuple(scene.objects.items()))
-    if not groups:
+    # all groundings of all predicates in one batch: this is on the path of every control tick
+    table = _table(tuple(classifiers), tuple(scene.objects.items()))
+    if not table.atoms:
         return frozenset(state)
-    objects, hand = scene.T_world_objects, scene.T_world_ee
-    T_world = Pose(np.concatenate([objects.p, hand.p[None]]), np.concatenate([objects.q, hand.q[None]]))
-    T_parent_child = T_world[parents].inverse() @ T_world[children]
-    for classifier, atoms, rows in groups:
-        for atom, margin in zip(atoms, classifier.margin(T_parent_child[rows]).tolist(), strict=True):
-            if margin >= (1.0 - classifier.leave_factor if atom in before else 0.0):
-                state.add(atom)
+    threshold = table.zeros.copy()
+    held = [row for atom in before for row in table.rows.get(atom, ())]
+    threshold[held] = table.leaves[held]
+    state.update(table.atoms[row] for row in np.flatnonzero(table.margins(scene) >= threshold).tolist())
     return frozenset(state)
 
 
-Groups = tuple[tuple[Classifier, tuple[Atom, ...], slice], ...]
+_UNITS = np.eye(4)
+_FROM = quat_multiply(quat_conjugate(_UNITS)[:, None], _UNITS).transpose(0, 2, 1).reshape(4, 16)
+"""``q @ _FROM`` is the matrix (4, 4) of the product with q's inverse: a product is linear in each of its factors."""
+_TURN = quat_multiply(quat_multiply(_UNITS[:, None], _UNITS[1:])[:, None], quat_conjugate(_UNITS)[:, None])[..., 1:]
+_TURN = _TURN.transpose(0, 1, 3, 2).reshape(16, 9)
+"""The outer product of q with itself times `_TURN` is q's rotation matrix (3, 3)."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Table:
+    """The n groundings of a set of classifiers over a set of objects, and the classifiers' numbers row by row.
+
+    Attributes
+    ----------
+    atoms, rows
+        The atom of each row, and the rows of each atom.
+    parents, children : (n,)
+        Places of the two frames among the scene's objects; the hand comes last.
+    free : (k,)
+        Rows with a symmetry axis, `axes` (k, 3).
+    """
+
+    atoms: tuple[Atom, ...]
+    rows: dict[Atom, tuple[int, ...]]
+    parents: NDArray[np.intp]
+    children: NDArray[np.intp]
+    mean_p: Array
+    unturn: Array
+    inverse_p: Array
+    inverse_r: Array
+    enter_p: Array
+    enter_r: Array
+    leaves: Array
+    zeros: Array
+    free: NDArray[np.intp]
+    axes: Array
+
+    def margins(self, scene: Scene) -> Array:
+        """`Classifier.margin` of every row (n,)."""
+        objects, hand = scene.T_world_objects, scene.T_world_ee
+        p, q = np.concatenate([objects.p, hand.p[None]]), np.concatenate([objects.q, hand.q[None]])
+        turn = ((q[:, :, None] * q[:, None, :]).reshape(-1, 16) @ _TURN).reshape(-1, 3, 3)
+        dp = ((p[self.children] - p[self.parents])[:, None] @ turn[self.parents])[:, 0] - self.mean_p
+        residual = (self.unturn @ ((q @ _FROM).reshape(-1, 4, 4)[self.parents] @ q[self.children][..., None]))[..., 0]
+        if len(self.free):
+            residual[self.free] = swing(residual[self.free], self.axes)
+        dr = quat_log(residual)
+        far_p = np.sqrt(((dp[:, None] @ self.inverse_p)[:, 0] * dp).sum(-1)) / self.enter_p
+        far_r = np.sqrt(((dr[:, None] @ self.inverse_r)[:, 0] * dr).sum(-1)) / self.enter_r
+        return np.asarray(1.0 - np.maximum(far_p, far_r))
 
 
 @lru_cache(maxsize=16)
-def _table(
-    classifiers: tuple[Classifier, ...], objects: tuple[tuple[str, str], ...]
-) -> tuple[NDArray[np.intp], NDArray[np.intp], Groups]:
-    """Rows of the parent and the child frame of every grounding (the hand comes last), and what rows belong to a classifier."""
-    row = {name: i for i, (name, _) in enumerate(objects)} | {GRIPPER: len(objects)}
-    parents: list[int] = []
-    children: list[int] = []
-    groups = []
-    for classifier in classifiers:
-        found = tuple(groundings(classifier, dict(objects)))
-        if found:
-            groups.append((classifier, tuple(atom for atom, _, _ in found), slice(len(parents), len(parents) + len(found))))
-            parents += [row[parent] for _, parent, _ in found]
-            children += [row[child] for _, _, child in found]
-    return np.array(parents, dtype=np.intp), np.array(children, dtype=np.intp), tuple(groups)
+def _table(classifiers: tuple[Classifier, ...], objects: tuple[tuple[str, str], ...]) -> _Table:
+    place = {name: i for i, (name, _) in enumerate(objects)} | {GRIPPER: len(objects)}
+    found = [(c, *grounding) for c in classifiers for grounding in groundings(c, dict(objects))]
+    rows: dict[Atom, tuple[int, ...]] = {}
+    for row, (_, atom, _, _) in enumerate(found):
+        rows[atom] = (*rows.get(atom, ()), row)
+    owners = [c for c, _, _, _ in found]
+    axes = [(row, c.free_axis) for row, c in enumerate(owners) if c.free_axis is not None]
+    return _Table(
+        atoms=tuple(atom for _, atom, _, _ in found),
+        rows=rows,
+        parents=np.array([place[parent] for _, _, parent, _ in found], dtype=np.intp),
+        children=np.array([place[child] for _, _, _, child in found], dtype=np.intp),
+        mean_p=np.array([c.T_mean.p for c in owners]).reshape(-1, 3),
+        unturn=(np.array([c.T_mean.q for c in owners]).reshape(-1, 4) @ _FROM).reshape(-1, 4, 4),
+        inverse_p=np.array([c._inverse_p for c in owners]).reshape(-1, 3, 3),
+        inverse_r=np.array([c._inverse_r for c in owners]).reshape(-1, 3, 3),
+        enter_p=np.array([c.enter_p for c in owners]),
+        enter_r=np.array([c.enter_r for c in owners]),
+        leaves=np.array([1.0 - c.leave_factor for c in owners]),
+        zeros=np.zeros(len(owners)),
+        free=np.array([row for row, _ in axes], dtype=np.intp),
+        axes=np.array([axis for _, axis in axes]).reshape(-1, 3),
+    )
 
 
 def hysteresis(margin: Array, leave_factor: float) -> BoolArray:

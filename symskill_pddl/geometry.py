@@ -103,8 +103,8 @@ class Pose:
         p, q = frozen(self.p), np.array(self.q, dtype=np.float64)
         if p.shape[-1:] != (3,) or q.shape[-1:] != (4,):
             raise InputError(f"a pose needs p (..., 3) and q (..., 4), got {p.shape} and {q.shape}")
-        norm = np.linalg.norm(q, axis=-1, keepdims=True)
-        if not (np.all(np.isfinite(p)) and np.all(np.isfinite(norm)) and np.all(norm > 1e-9)):
+        norm = np.sqrt((q * q).sum(-1, keepdims=True))
+        if not (np.isfinite(p).all() and np.isfinite(norm).all() and (norm > 1e-9).all()):
             raise InputError("a pose holds a number that is not finite, or a quaternion of length 0")
         object.__setattr__(self, "p", p)
         # a unit quaternion keeps its bits, so that saving and loading gives the same pose

@@ -8,6 +8,7 @@ from symskill_pddl.abstraction import (
     Classifier,
     Debounced,
     GripperRule,
+    _table,
     abstract,
     abstract_recording,
     debounce,
@@ -17,7 +18,7 @@ from symskill_pddl.abstraction import (
 )
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose, quat_exp, quat_log, quat_multiply
-from symskill_pddl.scene import GRIPPER
+from symskill_pddl.scene import GRIPPER, Scene
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Predicate
 
 Z = np.array([0.0, 0.0, 1.0])
@@ -164,3 +165,37 @@ def test_the_fingers_are_open_when_both_say_so():
     assert not rule.holds(0.055, False)
     assert rule.holds(0.055, False, before=True)
     assert np.isclose(float(np.linalg.norm(quat_log(quat_exp(0.1 * Z)))), 0.1)
+
+
+@given(st.integers(0, 10_000))
+def test_all_groundings_at_once_are_each_by_itself(seed):
+    rng = np.random.default_rng(seed)
+    objects = {"a": "food", "b": "food", "c": "tray", "d": "table"}
+    scene = Scene(
+        0.0,
+        Pose(rng.normal(size=3), rng.normal(size=4)),
+        0.08,
+        False,
+        objects,
+        Pose(rng.normal(size=(4, 3)), rng.normal(size=(4, 4))),
+    )
+    wide = {"sigma": 0.4, "rad": 0.8}
+    kinds = [
+        classifier(Pose(rng.normal(size=3), rng.normal(size=4)), name="on", **wide),
+        classifier(
+            Pose(rng.normal(size=3), rng.normal(size=4)), name="on-edge", leave_factor=1.2, free_axis=rng.normal(size=3), **wide
+        ),
+        classifier(Pose(rng.normal(size=3), rng.normal(size=4)), name="by", parent="food", **wide),
+        classifier(Pose(rng.normal(size=3), rng.normal(size=4)), name="held", child=GRIPPER, parent="tray", free_axis=Z, **wide),
+        classifier(name="nowhere", parent="shelf"),
+    ]
+    every = [(c, *g) for c in kinds for g in groundings(c, objects)]
+    before = frozenset(atom for _, atom, _, _ in every if rng.random() < 0.5)
+    margins = _table(tuple(kinds), tuple(objects.items())).margins(scene)
+    expected = set()
+    for margin, (c, atom, parent, child) in zip(margins, every, strict=True):
+        T = scene.pose(parent).inverse() @ scene.pose(child)
+        assert abs(margin - c.margin(T)) < 1e-12 * max(1.0, abs(margin))
+        if c.holds(T, before=atom in before):
+            expected.add(atom)
+    assert abstract(scene, kinds, before=before) == expected | {Atom(GRIPPER_OPEN)}

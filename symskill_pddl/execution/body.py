@@ -18,9 +18,10 @@ from symskill_pddl.execution.runner import Fingers
 from symskill_pddl.geometry import Array, Pose, rotation_distance
 from symskill_pddl.library import Library
 from symskill_pddl.scene import Command, Scene, World
+from symskill_pddl.skills import scalar
 from symskill_pddl.symbols import State
 
-_PATH_SPACING_M = 0.005
+_PATH_SPACING_M, _PATH_SPACING_RAD = 0.005, 0.05
 _REST_WINDOW_S = 0.25
 _MOVING_M_S = 0.02
 """Below this an object's velocity is taken for noise."""
@@ -72,9 +73,9 @@ class Body:
         self._sense = self._sense.update(self._read(self.scene, self._sense.state))
         self.ms = {"observe": 1e3 * (seen - begin), "abstract": 1e3 * (perf_counter() - seen)}
         self.closing = command.close_gripper
-        T = self.scene.T_world_ee
-        if np.linalg.norm(T.p - self.path[-1].p) > _PATH_SPACING_M or rotation_distance(T, self.path[-1]) > 0.05:
-            self.path.append(T)
+        moved, turned = scalar.apart(self.scene.T_world_ee, self.path[-1])
+        if moved > _PATH_SPACING_M or turned > _PATH_SPACING_RAD:
+            self.path.append(self.scene.T_world_ee)
         if not self.closing:
             self.grasp_entry = len(self.path) - 1
         self._recent.append(self.scene)

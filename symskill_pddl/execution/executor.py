@@ -6,7 +6,7 @@ remembered per ground step, a run ends with success, and every decision is the p
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from time import perf_counter
 from typing import Any
 
@@ -36,12 +36,11 @@ from symskill_pddl.execution.monitor import (
 )
 from symskill_pddl.execution.outcome import Category, Outcome
 from symskill_pddl.execution.recovery import goal_shift, key_of
-from symskill_pddl.execution.runner import SkillRun, obstacles_of
+from symskill_pddl.execution.runner import Obstacles, SkillRun
 from symskill_pddl.execution.trace import Header, OutcomeLine, TraceWriter, rows, step_line, tick_line
 from symskill_pddl.library import Library
 from symskill_pddl.planning import Planner
 from symskill_pddl.scene import GRIPPER, Scene, World
-from symskill_pddl.skills import Ellipsoid
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, GroundOperator, State
 
 
@@ -269,11 +268,9 @@ class _Run:
             radius = min(config.sample_most, attempt * config.sample_growth)
             shift = goal_shift(step, skill, binding, self.library.classifiers, self.body.scene, self.rng, radius)
         spared = frozenset(step.args) | self.belief.held(state)
-
-        def obstacles(scene: Scene) -> Sequence[Ellipsoid]:
-            return obstacles_of(scene, self.library.extents, spared, config.motion, self.body.velocities())
-
-        avoided = obstacles if config.motion.avoid and self.library.extents else None
+        avoided = None
+        if config.motion.avoid and self.library.extents:
+            avoided = Obstacles(self.body.scene.objects, self.library.extents, spared, config.motion, self.body.velocities)
         run = SkillRun(skill, binding, self.body.scene, config.motion, shift=shift, obstacles=avoided)
         # what is hinged or slides cannot be dropped, and the hand may let go of it and push on
         hinged_s = learned.duration_s[1] if learned.kind == "move" else 0.0

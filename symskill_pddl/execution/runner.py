@@ -5,19 +5,18 @@ The runner knows nothing of atoms, and whether the skill has done its job is not
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.execution.config import MotionConfig
 from symskill_pddl.execution.recovery import capped
-from symskill_pddl.geometry import Array, Pose, rotation_distance
+from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.scene import Command, Scene
-from symskill_pddl.skills import Ellipsoid, Phase, Skill, modulate
-
-_IDENTITY = Pose.identity()
+from symskill_pddl.skills import Ellipsoids, Phase, Skill, modulate, scalar
+from symskill_pddl.skills.skill import UNSHIFTED
 
 
 class Fingers:
@@ -86,7 +85,7 @@ class SkillRun:
         config: MotionConfig,
         *,
         shift: tuple[str, Pose] | None = None,
-        obstacles: Callable[[Scene], Sequence[Ellipsoid]] | None = None,
+        obstacles: Callable[[Scene], Ellipsoids] | None = None,
     ) -> None:
         for phase in skill.phases:
             if phase.frame not in binding:
@@ -155,21 +154,18 @@ class SkillRun:
             return True
         if scene.time - self._rest_since < self._config.rest_s:
             return False
-        loose = self._config.loose
-        wide = replace(phase, tolerance_p=loose * phase.tolerance_p, tolerance_r=loose * phase.tolerance_r)
-        return wide.reached(T_world_frame, scene.T_world_ee, shift)
+        return phase.reached(T_world_frame, scene.T_world_ee, shift, scale=self._config.loose)
 
     def _note_rest(self, scene: Scene) -> None:
         dt = scene.time - self._previous.time
-        moved = float(np.linalg.norm(scene.T_world_ee.p - self._previous.T_world_ee.p))
-        turned = float(rotation_distance(scene.T_world_ee, self._previous.T_world_ee))
+        moved, turned = scalar.apart(scene.T_world_ee, self._previous.T_world_ee)
         self._previous = scene
         if dt <= 0 or moved / dt > self._config.rest_speed or turned / dt > self._config.rest_turn:
             self._rest_since = scene.time
 
     def _frame(self, phase: Phase, scene: Scene) -> tuple[Pose, Pose]:
         shifted = self._shift is not None and self._shift[0] == phase.frame
-        return scene.pose(self._binding[phase.frame]), self._shift[1] if shifted and self._shift else _IDENTITY
+        return scene.pose(self._binding[phase.frame]), self._shift[1] if shifted and self._shift else UNSHIFTED
 
     def _twist(self, stage: int, scene: Scene) -> Array:
         phase = self._skill.phases[stage]
@@ -181,34 +177,46 @@ class SkillRun:
             return nominal
         phase = self._skill.phases[min(self._stage, self.phases - 1)]
         goal = phase.T_world_goal(*self._frame(phase, scene)).p
-        # an obstacle around the goal itself would keep the skill from ever arriving
-        around = [o for o in self._obstacles(scene) if not _inside(o, goal)]
-        if not around:
-            return nominal
-        return np.concatenate([modulate(nominal[:3], scene.T_world_ee.p, around), nominal[3:]])
+        return np.concatenate([modulate(nominal[:3], scene.T_world_ee.p, self._obstacles(scene), goal=goal), nominal[3:]])
 
 
-def _inside(obstacle: Ellipsoid, point: Array) -> bool:
-    local = obstacle.T_world.inverse().apply(point)
-    return bool(np.linalg.norm(local / np.asarray(obstacle.radii)) <= 1.0)
-
-
-def obstacles_of(
-    scene: Scene,
-    extents: Mapping[str, tuple[float, float, float]],
-    spared: frozenset[str],
-    config: MotionConfig,
-    velocities: Mapping[str, Array] | None = None,
-) -> tuple[Ellipsoid, ...]:
+class Obstacles:
     """Ellipsoids around the small free-standing objects that a step has nothing to do with.
 
-    An ellipsoid lies about half way between its box's faces and corners, plus the clearance for the hand. `spared` names the
-    objects to leave out: the step's arguments and what is held. `velocities` are those of the objects that move, (3,) [m/s].
+    An ellipsoid lies about half way between its box's faces and corners, plus the clearance for the hand.
+
+    Parameters
+    ----------
+    objects : mapping of str to str
+        The scene's objects and types, in its order.
+    extents : mapping
+        Half sizes of the types [m].
+    spared : frozenset of str
+        Objects to leave out: the step's arguments and what is held.
+    velocities : callable
+        The present velocities of the objects that move, (3,) [m/s].
     """
-    found = []
-    for i, (name, kind) in enumerate(scene.objects.items()):
-        half = extents.get(kind)
-        if name not in spared and half is not None and max(half) <= config.obstacle_limit:
-            radii = 1.3 * np.asarray(half, float) + config.obstacle_clearance
-            found.append(Ellipsoid(scene.T_world_objects[i], radii, (velocities or {}).get(name, np.zeros(3))))
-    return tuple(found)
+
+    def __init__(
+        self,
+        objects: Mapping[str, str],
+        extents: Mapping[str, tuple[float, float, float]],
+        spared: frozenset[str],
+        config: MotionConfig,
+        velocities: Callable[[], Mapping[str, Array]] = dict,
+    ) -> None:
+        def small(name: str, kind: str) -> bool:
+            return name not in spared and kind in extents and max(extents[kind]) <= config.obstacle_limit
+
+        rows = [(i, name, kind) for i, (name, kind) in enumerate(objects.items()) if small(name, kind)]
+        self.names = tuple(name for _, name, _ in rows)
+        self._rows = np.array([i for i, _, _ in rows], dtype=np.intp)
+        self._radii = 1.3 * np.array([extents[kind] for _, _, kind in rows]).reshape(-1, 3) + config.obstacle_clearance
+        self._velocities = velocities
+
+    def __call__(self, scene: Scene) -> Ellipsoids:
+        moving, velocity = self._velocities(), np.zeros(self._radii.shape)
+        for i, name in enumerate(self.names):
+            if name in moving:
+                velocity[i] = moving[name]
+        return Ellipsoids(scene.T_world_objects[self._rows], self._radii, velocity)

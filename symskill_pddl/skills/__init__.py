@@ -3,7 +3,7 @@
 from symskill_pddl.skills.config import FitConfig
 from symskill_pddl.skills.field import Field
 from symskill_pddl.skills.following import rollout
-from symskill_pddl.skills.obstacles import Ellipsoid, modulate
+from symskill_pddl.skills.obstacles import Ellipsoids, modulate
 from symskill_pddl.skills.orientation import OrientationField
 from symskill_pddl.skills.position import PositionField
 from symskill_pddl.skills.skill import Phase, Skill
@@ -13,7 +13,7 @@ from symskill_pddl.skills.trajectory import Trajectory
 
 __all__ = [
     "Certificate",
-    "Ellipsoid",
+    "Ellipsoids",
     "Field",
     "FitConfig",
     "FitReport",

@@ -6,7 +6,9 @@ tick. Same conventions as `geometry`: (w, x, y, z), rotation vectors in radians 
 
 from __future__ import annotations
 
-from math import atan2, sqrt
+from math import atan2, dist, sqrt
+
+from symskill_pddl.geometry import Pose
 
 Quaternion = tuple[float, float, float, float]
 Vector = tuple[float, float, float]
@@ -46,3 +48,20 @@ def log(q: Quaternion) -> Vector:
     norm = sqrt(x * x + y * y + z * z)
     scale = 2.0 if norm < 1e-10 else 2.0 * atan2(norm, w) / norm
     return scale * x, scale * y, scale * z
+
+
+def angle(a: Quaternion, b: Quaternion) -> float:
+    """Angle between two rotations [rad], in [0, pi]."""
+    w, x, y, z = multiply(conjugate(a), b)
+    return 2.0 * atan2(sqrt(x * x + y * y + z * z), abs(w))
+
+
+def floats(T: Pose) -> tuple[Vector, Quaternion]:
+    """Position and quaternion of a single pose."""
+    return tuple(T.p.tolist()), tuple(T.q.tolist())
+
+
+def apart(a: Pose, b: Pose) -> tuple[float, float]:
+    """Distance [m] and angle [rad] between two single poses."""
+    (p_a, q_a), (p_b, q_b) = floats(a), floats(b)
+    return dist(p_a, p_b), angle(q_a, q_b)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import dist
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from symskill_pddl.errors import FormatError, InputError
-from symskill_pddl.geometry import Array, Pose, rotation_distance
+from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.skills import scalar
 from symskill_pddl.skills.field import Field
 from symskill_pddl.skills.lpv import Lpv
@@ -20,7 +21,8 @@ from symskill_pddl.skills.pairing import Pairing
 from symskill_pddl.skills.position import PositionField
 from symskill_pddl.skills.stability import Certificate
 
-_IDENTITY = Pose.identity()
+UNSHIFTED = Pose.identity()
+"""A field where it was learned."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,35 +57,44 @@ class Phase:
         if not (np.isfinite(self.duration_s) and self.duration_s >= 0):
             raise InputError(f"a phase in frame '{self.frame}' needs a duration of at least 0 s, got {self.duration_s!r}")
 
-    def twist(self, T_world_frame: Pose, T_world_ee: Pose, shift: Pose = _IDENTITY) -> Array:
+    def twist(self, T_world_frame: Pose, T_world_ee: Pose, shift: Pose = UNSHIFTED) -> Array:
         """Twist (6,) in world axes.
 
         `shift` moves the whole field, and with it the goal, within its frame: the field acts on `shift^-1 @ T_frame_ee`.
         """
-        base_p, base_q = _floats(T_world_frame)
-        if shift is not _IDENTITY:
-            shift_p, shift_q = _floats(shift)
-            x, y, z = scalar.rotate(base_q, shift_p)
-            base_p, base_q = (base_p[0] + x, base_p[1] + y, base_p[2] + z), scalar.multiply(base_q, shift_q)
-        p, q = _floats(T_world_ee)
+        base_p, base_q = _base(T_world_frame, shift)
+        p, q = scalar.floats(T_world_ee)
         inverse = scalar.conjugate(base_q)
         relative = scalar.rotate(inverse, (p[0] - base_p[0], p[1] - base_p[1], p[2] - base_p[2]))
         twist = self.field.twist_at(np.array(relative), np.array(scalar.multiply(inverse, q))).tolist()
         return np.array(scalar.rotate(base_q, twist[:3]) + scalar.rotate(base_q, twist[3:]))
 
-    def T_world_goal(self, T_world_frame: Pose, shift: Pose = _IDENTITY) -> Pose:
+    def T_world_goal(self, T_world_frame: Pose, shift: Pose = UNSHIFTED) -> Pose:
         """Where the phase ends, in the world."""
         return T_world_frame @ shift @ self.field.T_goal
 
-    def reached(self, T_world_frame: Pose, T_world_ee: Pose, shift: Pose = _IDENTITY) -> bool:
-        """Whether the end effector is within the tolerances of the phase's end."""
-        goal = self.T_world_goal(T_world_frame, shift)
-        near = np.linalg.norm(T_world_ee.p - goal.p) <= self.tolerance_p
-        return bool(near and rotation_distance(T_world_ee, goal) <= self.tolerance_r)
+    def reached(self, T_world_frame: Pose, T_world_ee: Pose, shift: Pose = UNSHIFTED, *, scale: float = 1.0) -> bool:
+        """Whether the end effector is within `scale` times the tolerances of the phase's end."""
+        base_p, base_q = _base(T_world_frame, shift)
+        (p, q), (goal_p, goal_q) = scalar.floats(T_world_ee), scalar.floats(self.field.T_goal)
+        goal_p = _plus(base_p, scalar.rotate(base_q, goal_p))
+        return (
+            dist(p, goal_p) <= self.tolerance_p * scale
+            and scalar.angle(q, scalar.multiply(base_q, goal_q)) <= self.tolerance_r * scale
+        )
 
 
-def _floats(T: Pose) -> tuple[scalar.Vector, scalar.Quaternion]:
-    return tuple(T.p.tolist()), tuple(T.q.tolist())
+def _base(T_world_frame: Pose, shift: Pose) -> tuple[scalar.Vector, scalar.Quaternion]:
+    """The pose of a field's frame, shifted within itself."""
+    p, q = scalar.floats(T_world_frame)
+    if shift is UNSHIFTED:
+        return p, q
+    shift_p, shift_q = scalar.floats(shift)
+    return _plus(p, scalar.rotate(q, shift_p)), scalar.multiply(q, shift_q)
+
+
+def _plus(a: scalar.Vector, b: scalar.Vector) -> scalar.Vector:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 @dataclass(frozen=True, eq=False)

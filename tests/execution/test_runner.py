@@ -6,10 +6,10 @@ from fake_world import DOWN, HOME, OBJECTS, FakeWorld, phase
 
 from symskill_pddl.errors import InputError
 from symskill_pddl.execution.config import MotionConfig
-from symskill_pddl.execution.runner import SkillRun, obstacles_of
+from symskill_pddl.execution.runner import Obstacles, SkillRun
 from symskill_pddl.geometry import Pose
 from symskill_pddl.scene import Scene
-from symskill_pddl.skills import Ellipsoid, Skill
+from symskill_pddl.skills import Ellipsoids, Skill
 
 CONFIG = MotionConfig()
 ABOVE, HAND = Pose([0, 0, 0.1], DOWN), Pose([0, 0, 0], DOWN)
@@ -111,8 +111,8 @@ def test_caps():
 def test_flows_around_an_obstacle_and_reports_the_nominal_twist():
     world = FakeWorld()
     centre = 0.5 * (world.ee.p + world.cheese.p + [0, 0, 0.1])
-    ball = Ellipsoid(Pose(centre, [1.0, 0, 0, 0]), np.full(3, 0.06))
-    run = SkillRun(PICK, BINDING, world.observe(), CONFIG, obstacles=lambda scene: [ball])
+    ball = Ellipsoids(Pose([centre], [[1.0, 0, 0, 0]]), np.full((1, 3), 0.06), np.zeros((1, 3)))
+    run = SkillRun(PICK, BINDING, world.observe(), CONFIG, obstacles=lambda scene: ball)
     free = SkillRun(PICK, BINDING, world.observe(), CONFIG)
     assert run.tick(world.observe()).speed == free.tick(world.observe()).speed
     nearest = np.inf
@@ -128,22 +128,22 @@ def test_flows_around_an_obstacle_and_reports_the_nominal_twist():
 
 def test_an_obstacle_around_the_goal_is_ignored():
     world = FakeWorld()
-    ball = Ellipsoid(Pose(world.cheese.p, [1.0, 0, 0, 0]), np.full(3, 0.2))
-    run = SkillRun(PICK, BINDING, world.observe(), CONFIG, obstacles=lambda scene: [ball])
+    ball = Ellipsoids(Pose([world.cheese.p], [[1.0, 0, 0, 0]]), np.full((1, 3), 0.2), np.zeros((1, 3)))
+    run = SkillRun(PICK, BINDING, world.observe(), CONFIG, obstacles=lambda scene: ball)
     assert drive(world, run, until=lambda m: m.stage == 2)[-1].stage == 2
 
 
 def test_obstacles_are_the_small_things_one_has_nothing_to_do_with():
     scene: Scene = FakeWorld().observe()
     extents = {"food": (0.03, 0.02, 0.02), "door": (0.2, 0.01, 0.2), "counter": (0.1, 0.1, 0.1)}
-    found = obstacles_of(scene, extents, frozenset({"counter"}), CONFIG)
+    found = Obstacles(OBJECTS, extents, frozenset({"counter"}), CONFIG)(scene)
     assert len(found) == 1
-    assert np.allclose(found[0].T_world.p, scene.pose("cheese").p)
-    assert np.all(found[0].radii > np.array(extents["food"]) + CONFIG.obstacle_clearance)
-    assert np.all(found[0].velocity == 0)
-    assert obstacles_of(scene, extents, frozenset(OBJECTS), CONFIG) == ()
-    (moving,) = obstacles_of(scene, extents, frozenset({"counter"}), CONFIG, {"cheese": np.array([0.1, 0, 0])})
-    assert np.allclose(moving.velocity, [0.1, 0, 0])
+    assert np.allclose(found.T_world.p, scene.pose("cheese").p)
+    assert np.all(found.radii > np.array(extents["food"]) + CONFIG.obstacle_clearance)
+    assert np.all(found.velocity == 0)
+    assert len(Obstacles(OBJECTS, extents, frozenset(OBJECTS), CONFIG)(scene)) == 0
+    moving = Obstacles(OBJECTS, extents, frozenset({"counter"}), CONFIG, lambda: {"cheese": np.array([0.1, 0, 0])})(scene)
+    assert np.allclose(moving.velocity, [[0.1, 0, 0]])
 
 
 def test_an_unbound_frame_is_refused():
