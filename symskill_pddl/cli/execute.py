@@ -10,6 +10,7 @@ import typer
 
 from symskill_pddl.cli import work
 from symskill_pddl.cli.console import emit_json, not_yet, progress, remark, say, table
+from symskill_pddl.cli.film import check_video, filmed
 from symskill_pddl.cli.options import (
     DisturbOption,
     GoalOption,
@@ -22,6 +23,7 @@ from symskill_pddl.cli.options import (
     PlannerOption,
     SeedOption,
     TaskOption,
+    VideoOption,
     require_folder,
 )
 
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from symskill_pddl.evaluation.trial import Episode
     from symskill_pddl.execution.config import ExecutionConfig
     from symskill_pddl.execution.outcome import Outcome
+    from symskill_pddl.kitchen.film import Film
     from symskill_pddl.library import Library
     from symskill_pddl.planning import Planner
 
@@ -46,25 +49,25 @@ def run(
     no_obstacles: NoObstaclesFlag = False,
     disturb: DisturbOption = None,
     trace: Annotated[Path | None, typer.Option("--trace", help="Write every decision to this file (JSON lines).")] = None,
-    video: Annotated[Path | None, typer.Option("--video", help="Not in this version.")] = None,
+    video: VideoOption = None,
     json: JsonFlag = False,
 ) -> None:
     """Plan and carry out a task in the kitchen. Exit status 1 if the goal is missed."""
     from symskill_pddl.evaluation.trial import prepare
     from symskill_pddl.planning import get
 
-    if video is not None:
-        raise not_yet("--video")
     if trace is not None:
         require_folder(trace)
+    check_video(video)
     learned, engine = work.open_library(library), get(planner or "auto")
     with progress(f"setting up {task}, seed {seed}"):
         episode = prepare(learned, task, seed, goal=goal, disturbances=disturb or ())
     checksum = work.checksum(library)
     config = work.execution_config(no_resampling=no_resampling, no_replanning=no_replanning, no_obstacles=no_obstacles)
-    result, outcome = run_shown(
-        learned, episode, seed, engine, monitor=not no_monitor, trace=trace, checksum=checksum, config=config
-    )
+    with filmed(episode.kitchen, video) as film:
+        result, outcome = run_shown(
+            learned, episode, seed, engine, monitor=not no_monitor, trace=trace, checksum=checksum, config=config, film=film
+        )
     if json:
         emit_json(outcome_json(episode, result, outcome))
     else:
@@ -83,6 +86,7 @@ def run_shown(
     trace: Path | None,
     checksum: str,
     config: ExecutionConfig | None = None,
+    film: Film | None = None,
 ) -> tuple[EpisodeResult, Outcome]:
     """Run an episode with its steps shown as they begin; the trace takes its place when the run is over."""
     from symskill_pddl.evaluation.trial import run_episode
@@ -93,7 +97,10 @@ def run_shown(
 
         def shown(line: Any) -> None:
             if line.event == "step":
-                advance(text=f"{episode.kitchen.task} at {line.time:.0f} s: {' '.join((line.step.name, *line.step.args))}")
+                text = " ".join((line.step.name, *line.step.args))
+                advance(text=f"{episode.kitchen.task} at {line.time:.0f} s: {text}")
+                if film is not None:
+                    film.caption = text
 
         # a crash leaves what was written beside the old trace, which stays as it was
         partial = trace.with_name(f"{trace.name}.partial") if trace is not None else None

@@ -10,7 +10,8 @@ import typer
 
 from symskill_pddl.cli import work
 from symskill_pddl.cli.console import progress, remark, say, table
-from symskill_pddl.cli.options import SeedOption, make_folder, write_text
+from symskill_pddl.cli.film import check_video, filmed
+from symskill_pddl.cli.options import SeedOption, VideoOption, make_folder, write_text
 
 if TYPE_CHECKING:
     from symskill_pddl.evaluation.results import EpisodeResult
@@ -28,6 +29,7 @@ def quickstart(
     disturb: Annotated[
         list[str] | None, typer.Option("--disturb", metavar="SPEC", help="What is to go wrong; may be repeated.")
     ] = None,
+    video: VideoOption = None,
 ) -> None:
     """Learn, export, plan, run with one disturbance, and write a report."""
     from symskill_pddl.cli.execute import run_shown
@@ -42,6 +44,7 @@ def quickstart(
     task_named(task)
     for spec in disturb or ():
         parse_disturbance(spec)
+    check_video(video)
     files = work.shipped_demos()
     make_folder(output)
     library, learning = work.learn_from(files, output / "library")
@@ -64,7 +67,8 @@ def quickstart(
     episode = prepare(library, task, seed, disturbances=disturbances, domain_name="kitchen")
     checksum = work.checksum(output / "library")
     trace, page = output / "trace.jsonl", output / "report.html"
-    found, outcome = run_shown(library, episode, seed, engine, monitor=True, trace=trace, checksum=checksum)
+    with filmed(episode.kitchen, video) as film:
+        found, outcome = run_shown(library, episode, seed, engine, monitor=True, trace=trace, checksum=checksum, film=film)
     work.write_report(trace, page, library)
 
     table(*operator_table(library))
@@ -77,7 +81,7 @@ def quickstart(
     say()
     say(f"{task}, seed {seed}, with {' and '.join(disturbances)}  (! what was done to the scene, ~ what the robot did about it):")
     tell_story(read_trace(trace), found, outcome)
-    say(f"Every decision: {trace}   To read: {page}")
+    say(f"Every decision: {trace}   To read: {page}{'' if video is None else f'   To watch: {video}'}")
     remark(f"{monotonic() - begin:.0f} s in all")
     if not found.success:
         raise typer.Exit(1)

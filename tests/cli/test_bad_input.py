@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -109,14 +110,27 @@ def test_output_that_cannot_be_written_is_found_before_the_work(
         assert "cannot write" in done.error
 
 
-@pytest.mark.parametrize("option", ["--ray", "--video"])
-def test_what_this_version_cannot_do_is_said(symskill: Callable[..., Any], library: Path, tmp_path: Path, option: str) -> None:
-    if option == "--ray":
-        done = symskill("evaluate", library, "--tasks", "all", "--ray", "-o", tmp_path / "r.json")
-    else:
-        done = symskill("run", library, "--task", "StoreCheese", "--video", tmp_path / "v.mp4")
+def test_what_this_version_cannot_do_is_said(symskill: Callable[..., Any], library: Path, tmp_path: Path) -> None:
+    done = symskill("evaluate", library, "--tasks", "all", "--ray", "-o", tmp_path / "r.json")
     assert done.status == 2
-    assert f"{option} is not available in this version" in done.error
+    assert "--ray is not available in this version" in done.error
+
+
+@pytest.mark.parametrize("command", ["run", "quickstart"])
+def test_a_film_that_cannot_be_made_is_found_before_the_work(
+    symskill: Callable[..., Any], library: Path, tmp_path: Path, command: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def call(video: Path) -> str:
+        arguments = ("run", library, "--task", "OpenDrawer") if command == "run" else ("quickstart", "-o", tmp_path / "out")
+        done = symskill(*arguments, "--video", video)
+        assert done.status == 2
+        assert not (tmp_path / "out").exists()
+        return str(done.error)
+
+    assert "give a name that ends in .mp4" in call(tmp_path / "film.avi")
+    assert "cannot write" in call(tmp_path / "no" / "film.mp4")
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    assert "pip install imageio-ffmpeg" in call(tmp_path / "film.mp4")
 
 
 @pytest.mark.parametrize("command", ["show", "export"])
