@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from functools import partial as partial_of
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,6 +14,7 @@ from symskill_pddl.cli.console import emit_json, not_yet, progress, remark, say,
 from symskill_pddl.cli.film import check_video, filmed
 from symskill_pddl.cli.options import (
     DisturbOption,
+    EditedOption,
     GoalOption,
     JsonFlag,
     LibraryArgument,
@@ -26,6 +28,7 @@ from symskill_pddl.cli.options import (
     VideoOption,
     require_folder,
 )
+from symskill_pddl.errors import InputError
 
 if TYPE_CHECKING:
     from symskill_pddl.evaluation.results import EpisodeResult, Results
@@ -43,6 +46,10 @@ def run(
     seed: SeedOption = 0,
     planner: PlannerOption = None,
     goal: GoalOption = None,
+    domain: EditedOption = None,
+    problem: Annotated[
+        Path | None, typer.Option("--problem", metavar="PROBLEM", help="Objects and goal from this file, a problem of --domain.")
+    ] = None,
     no_monitor: NoMonitorFlag = False,
     no_resampling: NoResamplingFlag = False,
     no_replanning: NoReplanningFlag = False,
@@ -59,10 +66,19 @@ def run(
     if trace is not None:
         require_folder(trace)
     check_video(video)
-    learned, engine = work.open_library(library), get(planner or "auto")
+    if problem is not None and (domain is None or goal is not None):
+        raise InputError("--problem needs --domain, whose problem it is, and states the goal, so --goal cannot stand with it")
+    learned, engine, posed = work.open_library(library), get(planner or "auto"), None
+    if domain is not None:
+        learned, written, comparison = work.edit(learned, domain)
+        for finding in comparison.findings:
+            remark(str(finding))
+        posed = work.posed_problem(problem, written, comparison) if problem is not None else None
     with progress(f"setting up {task}, seed {seed}"):
-        episode = prepare(learned, task, seed, goal=goal, disturbances=disturb or ())
-    checksum = work.checksum(library)
+        episode = prepare(learned, task, seed, goal=goal, posed=posed, disturbances=disturb or ())
+    for note in episode.notes:
+        remark(note)
+    checksum = work.checksum(library, domain)
     config = work.execution_config(no_resampling=no_resampling, no_replanning=no_replanning, no_obstacles=no_obstacles)
     with filmed(episode.kitchen, video) as film:
         result, outcome = run_shown(
@@ -162,6 +178,7 @@ def evaluate(
     trials: Annotated[int, typer.Option("--trials", help="Episodes per task.")] = 20,
     seed: Annotated[int, typer.Option("--seed", help="Seed of the first episode.")] = 1000,
     planner: PlannerOption = None,
+    domain: EditedOption = None,
     no_monitor: NoMonitorFlag = False,
     no_resampling: NoResamplingFlag = False,
     no_replanning: NoReplanningFlag = False,
@@ -187,8 +204,8 @@ def evaluate(
     disturbances = (*preset.disturbances, *(disturb or ()))
     asked = Suite(preset.tasks, trials, seed, planner or "auto", not no_monitor, disturbances, config)
     require_folder(output)
-    work.open_library(library)
-    count, checksum = len(asked.episodes), work.checksum(library)
+    work.open_edited(library, domain)
+    count, checksum = len(asked.episodes), work.checksum(library, domain)
     with Partial(partial_path(output), asked.settings(checksum), asked.tasks) as partial:
         if partial.done:
             remark(f"{count} episodes, {len(partial.done)} of them done before")
@@ -201,7 +218,13 @@ def evaluate(
                 advance.remark(f"{task} {episode.seed}: {episode.category} ({episode.time_s:.0f} s)")
 
             results = run_suite(
-                work.open_library, library, asked, checksum=checksum, jobs=jobs, done=dict(partial.done), on_episode=done
+                partial_of(work.open_edited, domain=domain),
+                library,
+                asked,
+                checksum=checksum,
+                jobs=jobs,
+                done=dict(partial.done),
+                on_episode=done,
             )
         save_results(output, results)
         partial.remove()

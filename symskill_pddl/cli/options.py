@@ -24,6 +24,10 @@ DisturbOption = Annotated[
     list[str] | None, typer.Option("--disturb", metavar="SPEC", help="For example close-door@op=2; may be repeated.")
 ]
 VideoOption = Annotated[Path | None, typer.Option("--video", metavar="FILE.mp4", help="Film the run.")]
+EditedOption = Annotated[
+    Path | None,
+    typer.Option("--domain", metavar="DOMAIN", help="An edited export of the library: plan and watch with what it says."),
+]
 NoMonitorFlag = Annotated[bool, typer.Option("--no-monitor", help="Carry out the first plan blindly.")]
 NoResamplingFlag = Annotated[bool, typer.Option("--no-resampling", help="Try a failed motion again as it was.")]
 NoReplanningFlag = Annotated[bool, typer.Option("--no-replanning", help="Keep the first plan; retry its steps, or give up.")]

@@ -154,6 +154,37 @@ def read_plan_file(path: Path, domain: Domain, problem: Problem) -> Plan:
     return read_plan(read_text(path, "plan"), domain, problem.object_types, str(path))
 
 
+def open_edited(path: Path, domain: Path | None) -> Library:
+    """The library of a folder; under an edited domain if there is one."""
+    return open_library(path) if domain is None else edit(open_library(path), domain)[0]
+
+
+def edit(library: Library, path: Path) -> tuple[Library, Domain, Comparison]:
+    """The library under an edited domain, the domain as it stands in the file, and what was changed.
+
+    Raises `InputError` where an action has no skill that does what it says, or needs what cannot be seen.
+    """
+    from symskill_pddl.execution.edited import edited_library
+    from symskill_pddl.pddl.edit import undone
+
+    written = read_domain_file(path)
+    learned = library.domain(written.name)
+    comparison = compared(learned, written, names_beside(path), None)
+    try:
+        return edited_library(library, undone(comparison, learned, written)), written, comparison
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def posed_problem(path: Path, written: Domain, comparison: Comparison) -> Problem:
+    """A problem of an edited domain, under the library's names: objects by the problem's side-car, all else by the domain's."""
+    beside = names_beside(path)
+    back = comparison.names.inverse()
+    if beside is not None:
+        back = back.model_copy(update={"objects": beside.inverse().objects})
+    return back.problem(read_problem_file(path, written))
+
+
 def execution_config(*, no_resampling: bool, no_replanning: bool, no_obstacles: bool) -> ExecutionConfig:
     """The settings of an execution with some of its mechanisms switched off."""
     from symskill_pddl.execution.config import ExecutionConfig, MotionConfig
@@ -161,11 +192,14 @@ def execution_config(*, no_resampling: bool, no_replanning: bool, no_obstacles: 
     return ExecutionConfig(resample=not no_resampling, replan=not no_replanning, motion=MotionConfig(avoid=not no_obstacles))
 
 
-def checksum(folder: Path) -> str:
-    """Tells one library from another: of library.json, which holds the checksums of all other files."""
+def checksum(folder: Path, domain: Path | None = None) -> str:
+    """Tells one library from another: of library.json, which holds the checksums of all other files, and of an edited domain."""
     from hashlib import sha256
 
-    return sha256((folder / "library.json").read_bytes()).hexdigest()
+    found = sha256((folder / "library.json").read_bytes())
+    if domain is not None:
+        found.update(read_text(domain, "domain").encode())
+    return found.hexdigest()
 
 
 def write_report(source: Path, output: Path, library: Library | None = None) -> None:

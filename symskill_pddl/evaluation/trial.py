@@ -10,6 +10,7 @@ import numpy as np
 
 from symskill_pddl.abstraction import abstract
 from symskill_pddl.evaluation.goals import goal_atoms
+from symskill_pddl.evaluation.posed import placed, unlike
 from symskill_pddl.evaluation.results import EpisodeResult
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.executor import execute
@@ -43,6 +44,8 @@ class Episode:
         executor makes its own assumptions from what it sees then.
     judged : bool
         Whether the task's judge can say if this goal was reached; not so for a goal that the caller stated.
+    notes : tuple of str
+        How the first scene differs from the problem that the caller posed.
     """
 
     kitchen: Kitchen
@@ -50,6 +53,7 @@ class Episode:
     problem: Problem
     judged: bool
     assumed: tuple[Assumption, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def prepare(
@@ -58,6 +62,7 @@ def prepare(
     seed: int,
     *,
     goal: str | None = None,
+    posed: Problem | None = None,
     disturbances: Sequence[str] = (),
     domain_name: str = "learned",
 ) -> Episode:
@@ -67,11 +72,13 @@ def prepare(
     ----------
     goal : str, optional
         ``(atom object ...) ...`` instead of the learned goal of the task; names as in the library or as exported.
+    posed : Problem, optional
+        Its objects and its goal instead of the task's; see `posed.placed`. The initial state is what the robot sees.
 
     Raises
     ------
     InputError
-        Unknown task or disturbance, no learned goal, or a goal that does not fit the library or the scene.
+        Unknown task or disturbance, no learned goal, or a goal or problem that does not fit the library or the scene.
     """
     spec = task_named(task)
     kitchen = make(task, seed, disturbances)
@@ -79,19 +86,25 @@ def prepare(
     domain = library.domain(domain_name)
     known = {t.name for t in library.types}
     objects = {name: kind for name, kind in scene.objects.items() if kind in known}
+    own = placed(posed, domain, objects) if posed is not None else None
+    if own is not None:
+        objects = own.object_types
     init = frozenset(
         atom for atom in abstract(scene, library.classifiers, gripper=library.gripper) if all(a in objects for a in atom.args)
     )
-    if goal is None:
-        atoms = goal_atoms(library, spec.goal_of or (task,), objects, kitchen.focus)
-    else:
+    if goal is not None:
         atoms = stated_goal(goal, domain, objects)
+    elif own is not None:
+        atoms = own.goal
+    else:
+        atoms = goal_atoms(library, spec.goal_of or (task,), objects, kitchen.focus)
     nearest = nearest_symbols(scene, init, library.classifiers, objects).values()
     # what is only assumed may not fulfil the goal
     assumed = tuple(best for options in nearest if (best := next((a for a in options if a.atom not in atoms), None)) is not None)
     init |= {a.atom for a in assumed}
     problem = Problem(f"{task}-{seed}".lower(), domain.name, tuple(objects.items()), init, atoms)
-    return Episode(kitchen, domain, problem, goal is None, assumed)
+    notes = unlike(own.init, init) if own is not None else ()
+    return Episode(kitchen, domain, problem, goal is None and own is None, assumed, notes)
 
 
 def stated_goal(text: str, domain: Domain, objects: dict[str, str]) -> State:

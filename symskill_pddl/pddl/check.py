@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from symskill_pddl.errors import InputError, alternatives
-from symskill_pddl.pddl.dialect import exported
+from symskill_pddl.pddl.dialect import Exported, exported
 from symskill_pddl.pddl.export import number
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.symbols import Absent, Atom, Domain, Operator, Parameter, Plan
@@ -58,6 +58,9 @@ class Comparison:
 
     findings: tuple[Finding, ...]
     bindings: tuple[Binding, ...]
+    form: Exported
+    """The learned domain in the dialect and under the names that the edited one was compared in."""
+    names: Names
 
     @property
     def runs(self) -> bool:
@@ -103,7 +106,8 @@ def compare(learned: Domain, edited: Domain, *, dialect: str = "strips", names: 
         The learned domain does not fit the dialect.
     """
     names = names or Names.of(learned)
-    reference = exported(names.domain(learned), dialect).domain
+    form = exported(names.domain(learned), dialect)
+    reference = form.domain
     identifiers = {exported_name: identifier for identifier, exported_name in names.operators.items()}
     findings: list[Finding] = []
     findings += _vocabulary("type", {t.name: t.parent for t in reference.types}, {t.name: t.parent for t in edited.types})
@@ -120,15 +124,18 @@ def compare(learned: Domain, edited: Domain, *, dialect: str = "strips", names: 
         where = f"action '{op.name}'"
         old = known.get(op.name)
         if old is None:
-            twins = [other for other in missing.values() if _renamed_parameters(other, op, all_effects=True) is not None]
+            twins = [old for old in known.values() if _renamed_parameters(edited, old, op, all_effects=True) is not None]
+            # a new name for an action that is gone, or else a second action of a skill
+            twins = [old for old in twins if old.name in missing] or twins
             if len(twins) != 1:
                 findings.append(
                     Finding(Severity.ERROR, where, f"no skill belongs to it; skills there are: {alternatives(known)}")
                 )
                 continue
-            old = missing.pop(twins[0].name)
-            findings.append(Finding(Severity.NOTE, where, f"was '{old.name}', known by its effects"))
-        moved = _renamed_parameters(old, op, all_effects=False)
+            old = twins[0]
+            was = "was" if missing.pop(old.name, None) else "a second action of the skill of"
+            findings.append(Finding(Severity.NOTE, where, f"{was} '{old.name}', known by its effects"))
+        moved = _renamed_parameters(edited, old, op, all_effects=False)
         if moved is not None:
             pairs = " ".join(f"{a} -> {b}" for a, b in moved.items())
             findings.append(Finding(Severity.NOTE, where, f"parameters renamed: {pairs}; bound by position"))
@@ -142,7 +149,7 @@ def compare(learned: Domain, edited: Domain, *, dialect: str = "strips", names: 
             )
     for name in missing:
         findings.append(Finding(Severity.NOTE, f"action '{name}'", "removed; its skill will not be used"))
-    return Comparison(tuple(findings), tuple(bindings))
+    return Comparison(tuple(findings), tuple(bindings), form, names)
 
 
 def _vocabulary(what: str, old: dict[str, str], new: dict[str, str]) -> Iterator[Finding]:
@@ -208,12 +215,14 @@ def _nameless(conditions: Iterable[Absent]) -> frozenset[Absent]:
     return frozenset(found)
 
 
-def _renamed_parameters(old: Operator, new: Operator, *, all_effects: bool) -> dict[str, str] | None:
+def _renamed_parameters(edited: Domain, old: Operator, new: Operator, *, all_effects: bool) -> dict[str, str] | None:
     """The renaming of parameters, by position, under which both operators have the same effects; None where there is none.
 
     With `all_effects` a renaming that renames nothing counts too; else only one under which the set of names changes.
     """
-    if [p.type for p in old.parameters] != [p.type for p in new.parameters]:
+    if len(old.parameters) != len(new.parameters):
+        return None
+    if not all(edited.is_a(b.type, a.type) for a, b in zip(old.parameters, new.parameters, strict=True)):
         return None
     binding = {a.name: b.name for a, b in zip(old.parameters, new.parameters, strict=True)}
     if not all_effects and set(binding) == set(binding.values()):

@@ -70,6 +70,39 @@ def test_a_domain_edited_by_hand_is_checked(symskill: Callable[..., Any], kitche
     assert "no longer deletes (gripper-open)" in done.out
 
 
+def test_a_domain_edited_by_hand_runs(symskill: Callable[..., Any], kitchen: Path, tmp_path: Path) -> None:
+    domain, problem, results = tmp_path / "domain.pddl", tmp_path / "problem.pddl", tmp_path / "results.json"
+    episode = ("--task", "CloseDrawer", "--seed", 0)
+    assert symskill("export", kitchen, "-o", tmp_path).status == 0
+    assert symskill("problem", kitchen, *episode, "-o", problem).status == 0
+    domain.write_text(domain.read_text().replace("(:action close-drawer", "(:action push-it-shut"))
+    problem.write_text(problem.read_text().replace("    bread - food\n", "").replace("(food-in-cabinet bread cabinet-1)", ""))
+    done = symskill("run", kitchen, *episode, "--domain", domain, "--problem", problem, "--json")
+    document = json.loads(done.out)
+    assert (done.status, document["success"]) == (0, True), document["reason"]
+    assert [s["step"].split()[0].strip("(") for s in document["steps"]] == ["reach-drawer-open", "push-it-shut"]
+    assert "was 'close-drawer', known by its effects" in done.err
+    call = (
+        "evaluate",
+        kitchen,
+        "--tasks",
+        "CloseDrawer",
+        "--trials",
+        1,
+        "--seed",
+        0,
+        "--domain",
+        domain,
+        "--json",
+        "-o",
+        results,
+    )
+    edited = json.loads(symskill(*call).out)
+    assert edited["tasks"][0]["successes"] == 1
+    plain = json.loads(symskill(*(a for a in call if a not in ("--domain", domain))).out)
+    assert edited["settings"]["library"] != plain["settings"]["library"]
+
+
 @pytest.mark.parametrize(
     ("goal", "message"),
     [
