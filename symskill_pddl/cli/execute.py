@@ -173,7 +173,8 @@ def evaluate(
     output: Annotated[Path, typer.Option("-o", "--output", help="The results file to write.")],
     tasks: Annotated[str | None, typer.Option("--tasks", help="all, or names separated by commas.")] = None,
     suite: Annotated[
-        str | None, typer.Option("--suite", help="atomic, composed or disturbed: tasks and disturbances by one name.")
+        str | None,
+        typer.Option("--suite", help="atomic, composed, disturbed, mixed, or a disturbance's name: tasks and what goes wrong."),
     ] = None,
     trials: Annotated[int, typer.Option("--trials", help="Episodes per task.")] = 20,
     seed: Annotated[int, typer.Option("--seed", help="Seed of the first episode.")] = 1000,

@@ -10,11 +10,14 @@ from multiprocessing import get_context, parent_process
 from pathlib import Path
 from threading import Thread
 
+import numpy as np
+
 from symskill_pddl.errors import InputError, MissingDependencyError, SymSkillError, alternatives
 from symskill_pddl.evaluation.results import EpisodeResult, Results, Settings, TaskResult, summarise
 from symskill_pddl.evaluation.trial import prepare, run_episode
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.kitchen import TASKS, parse_disturbance, task_named
+from symskill_pddl.kitchen.disturbances import ANY, KINDS, Kind
 from symskill_pddl.library import Library
 from symskill_pddl.planning import get
 
@@ -75,12 +78,21 @@ class Preset:
     disturbances: tuple[str, ...] = ()
 
 
+def _concerned(kind: Kind) -> tuple[str, ...]:
+    """The tasks that a kind of disturbance concerns, as far as one episode tells."""
+    return tuple(name for name, task in TASKS.items() if kind.concerns(task.draw(np.random.default_rng(0)).focus))
+
+
 _COMPOSED = tuple(name for name, task in TASKS.items() if task.composite)
 PRESETS = {
     "atomic": Preset(tuple(name for name, task in TASKS.items() if not task.composite)),
     "composed": Preset(_COMPOSED),
     # when the fifth step starts the door has just been opened, and the hand is about to reach inside
     "disturbed": Preset(_COMPOSED, ("close-door@op=4",)),
+    # each disturbance once, at a moment that is drawn, in every task that it concerns
+    **{name: Preset(_concerned(kind), (f"{name}@p=0.02x1",)) for name, kind in KINDS.items() if name != ANY},
+    # one of all, every ten seconds on average
+    "mixed": Preset(_concerned(KINDS[ANY]), (f"{ANY}@p=0.005",)),
 }
 
 

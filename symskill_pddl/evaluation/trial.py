@@ -138,18 +138,19 @@ def run_episode(
 ) -> tuple[EpisodeResult, Outcome]:
     """Execute an episode. It is a success if its judge says so, or, where the goal was stated, if the goal atoms hold."""
     kitchen, problem = episode.kitchen, episode.problem
-    told: set[str] = set()
+    told = 0
 
     def heard(line: Any) -> None:
+        nonlocal told
         if on_event is not None:
             on_event(line)
-        for disturbance in kitchen.disturbances:
-            if disturbance.began is not None and disturbance.spec not in told:
-                told.add(disturbance.spec)
-                note = NoteLine(time=disturbance.began, text=f"disturbance {disturbance.spec}")
-                if trace is not None:
-                    trace.write(note)
-                heard(note)
+        for time, text in kitchen.events[told:]:
+            told += 1
+            note = NoteLine(time=time, text=f"disturbance {text}")
+            if trace is not None:
+                trace.write(note)
+            if on_event is not None:
+                on_event(note)
 
     outcome = execute(
         kitchen,
@@ -159,6 +160,7 @@ def run_episode(
         planner,
         config,
         objects=problem.object_types,
+        extents=kitchen.extents,
         rng=np.random.default_rng([seed, 2]),
         trace=trace,
         header=Header(

@@ -25,6 +25,8 @@ _PATH_SPACING_M, _PATH_SPACING_RAD = 0.005, 0.05
 _REST_WINDOW_S = 0.25
 _MOVING_M_S = 0.02
 """Below this an object's velocity is taken for noise."""
+_JUMPS_M_S = 3.0
+"""Above this it has not moved: it was put there, or the perception has lost and found it."""
 
 
 class Body:
@@ -100,7 +102,7 @@ class Body:
         if now.time <= then.time:
             return {}
         v = (now.T_world_objects.p - then.T_world_objects.p) / (now.time - then.time)
-        return {name: v[i] for i, name in enumerate(now.objects) if np.linalg.norm(v[i]) > _MOVING_M_S}
+        return {name: v[i] for i, name in enumerate(now.objects) if _MOVING_M_S < np.linalg.norm(v[i]) < _JUMPS_M_S}
 
     def hold(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
         """Stay where one is, fingers as they are, at most this long; whether `until` came true."""

@@ -53,6 +53,7 @@ def execute(
     config: ExecutionConfig | None = None,
     *,
     objects: Mapping[str, str],
+    extents: Mapping[str, tuple[float, float, float]] | None = None,
     rng: np.random.Generator,
     trace: TraceWriter | None = None,
     header: Header | None = None,
@@ -71,6 +72,8 @@ def execute(
         Ground atoms that have to hold together at the end.
     objects : mapping of str to str
         The objects the problem is about, with their types; each has to be in the scene.
+    extents : mapping of str to (float, float, float), optional
+        Half sizes [m] of types that the library does not know, for the hand to flow around objects of them too.
     trace, header
         Where to record the run, and what the caller knows for its first line (task, seed, library, planner).
     on_event : callable
@@ -92,7 +95,9 @@ def execute(
     told = {"goal": rows(goal), "objects": dict(objects), "monitor": monitor, "period_s": world.period_s}
     told |= {"resampling": config.resample, "replanning": config.replan, "obstacles": config.motion.avoid}
     journal.emit((header or Header()).model_copy(update=told))
-    run = _Run(world, library, domain, goal, planner, config, objects, rng, journal, on_step)
+    # the library's own extents are those its classifiers and skills were learned with
+    sizes = {**(extents or {}), **library.extents}
+    run = _Run(world, library, domain, goal, planner, config, objects, sizes, rng, journal, on_step)
     category, reason = run.closed_loop() if monitor else run.open_loop()
     outcome = Outcome(
         success=category is Category.SUCCESS,
@@ -133,11 +138,13 @@ class _Run:
         planner: Planner,
         config: ExecutionConfig,
         objects: Mapping[str, str],
+        extents: Mapping[str, tuple[float, float, float]],
         rng: np.random.Generator,
         journal: Journal,
         on_step: Callable[[int, GroundOperator], None] | None,
     ) -> None:
         self.library, self.goal, self.config, self.rng, self.journal, self.on_step = library, goal, config, rng, journal, on_step
+        self.extents = extents
         self.body = Body(world, library, objects, config.motion, config.debounce)
         self.belief = Belief(frozenset(c.predicate.name for c in library.classifiers if c.child == GRIPPER))
         self.mind = Deliberation(domain, goal, objects, planner, library, config, self.body, self.belief, journal)
@@ -269,8 +276,8 @@ class _Run:
             shift = goal_shift(step, skill, binding, self.library.classifiers, self.body.scene, self.rng, radius)
         spared = frozenset(step.args) | self.belief.held(state)
         avoided = None
-        if config.motion.avoid and self.library.extents:
-            avoided = Obstacles(self.body.scene.objects, self.library.extents, spared, config.motion, self.body.velocities)
+        if config.motion.avoid and self.extents:
+            avoided = Obstacles(self.body.scene.objects, self.extents, spared, config.motion, self.body.velocities)
         run = SkillRun(skill, binding, self.body.scene, config.motion, shift=shift, obstacles=avoided)
         # what is hinged or slides cannot be dropped, and the hand may let go of it and push on
         hinged_s = learned.duration_s[1] if learned.kind == "move" else 0.0

@@ -45,6 +45,8 @@ def fixtures() -> list[ET.Element]:
         *units,
         f'<body name="room">{_box("base_cabinet", below, "0.9 0.9 0.88 1")}'
         f"{_box('pedestal', pedestal, '0.25 0.25 0.27 1')}{_box('wall', wall, '0.85 0.88 0.84 1')}</body>",
+        f'<body name="{layout.OBSTACLE}" mocap="true" pos="{_text(layout.OBSTACLE_PARKED)}">'
+        f'<geom type="sphere" size="{layout.OBSTACLE_RADIUS}" rgba="0.85 0.1 0.1 1" group="2" {_CONTACT_TEXT}/></body>',
         '<camera name="overview" pos="-0.75 1.25 1.15" xyaxes="-0.70 -0.71 0 0.30 -0.30 0.90" fovy="48"/>',
         '<camera name="inside" pos="-0.25 0.30 0.95" xyaxes="-0.36 -0.93 0 0.25 -0.10 0.96" fovy="55"/>',
     )

@@ -135,6 +135,13 @@ FOODS: dict[str, Vec3] = {"cheese": (0.03, 0.02, 0.02), "bread": (0.02, 0.024, 0
 """Half sizes of the foods; each fits between the fingers across y."""
 FOOD_MASS = {"cheese": 0.12, "bread": 0.10, "can": 0.15}
 
+OBSTACLE = "obstacle"
+"""Name and type of what a disturbance may put in the way; at other times it is far away, and no object of the scene."""
+OBSTACLE_RADIUS = 0.04
+OBSTACLE_PARKED: Vec3 = (0.4, 0.0, 4.0)
+ADDED_EXTENTS: dict[str, Vec3] = {OBSTACLE: (OBSTACLE_RADIUS, OBSTACLE_RADIUS, OBSTACLE_RADIUS)}
+"""Half sizes of types that are in the scene only because of a disturbance."""
+
 TYPES = {name: name for name in (*UNITS, *PARTS, "counter")} | dict.fromkeys(FOODS, "food")
 """Type of every object, in the order of the scene: a fixture is a type of its own."""
 EXTENTS: dict[str, Vec3] = {

@@ -5,6 +5,8 @@ robosuite's own loop runs its Python controllers at every physics step and is fi
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -29,10 +31,14 @@ class Physics:
     ----------
     model, data : mujoco.MjModel, mujoco.MjData
     controller : PassiveController
-    door_torque : float
-        External torque about the door's hinge during the next steps [Nm]; positive opens.
-    hand_force : (3,)
-        External force on the hand during the next steps [N], world axes.
+    bodies : dict of str to int
+        MuJoCo's body of every object.
+    hand : int
+        The body of the hand.
+    robot : frozenset of int
+        The bodies of the arm and the hand.
+    loads : list of callable
+        Called in every physics step; they add forces to `data.xfrc_applied` and `data.qfrc_applied`, which are zero before.
     """
 
     def __init__(self, controller: PassiveController | None = None) -> None:
@@ -40,8 +46,7 @@ class Physics:
         self.model = kitchen_model()
         self.data = self._mj.MjData(self.model)
         self.controller = controller or PassiveController()
-        self.door_torque = 0.0
-        self.hand_force = np.zeros(3)
+        self.loads: list[Callable[[], None]] = []
 
         joint = self.model.joint
         self._arm_q = np.array([joint(name).qposadr[0] for name in ARM_JOINTS])
@@ -52,11 +57,13 @@ class Physics:
         self._food_q = {name: int(joint(f"{name}_joint0").qposadr[0]) for name in layout.FOODS}
         self._food_v = {name: int(joint(f"{name}_joint0").dofadr[0]) for name in layout.FOODS}
         self._site = int(self.model.site(EE_SITE).id)
-        self._hand = int(self.model.body("gripper0_right_right_gripper").id)
+        self.hand = int(self.model.body("gripper0_right_right_gripper").id)
         bodies = [name if name not in layout.FOODS else f"{name}_main" for name in layout.TYPES]
-        self._bodies = {name: int(self.model.body(body).id) for name, body in zip(layout.TYPES, bodies, strict=True)}
-        self._body_ids = np.array(list(self._bodies.values()))
-        self._robot = {b for b in range(self.model.nbody) if self.model.body(b).name.startswith(("robot0", "gripper0"))}
+        self.bodies = {name: int(self.model.body(body).id) for name, body in zip(layout.TYPES, bodies, strict=True)}
+        self._body_ids = np.array(list(self.bodies.values()))
+        self.bodies[layout.OBSTACLE] = int(self.model.body(layout.OBSTACLE).id)
+        names = (self.model.body(b).name for b in range(self.model.nbody))
+        self.robot = frozenset(b for b, name in enumerate(names) if name.startswith(("robot0", "gripper0")))
         self._owner = self._owners()
         actuator = self.model.actuator
         self._motors = np.array([actuator(n.replace("robot0_joint", "robot0_torq_j")).id for n in ARM_JOINTS])
@@ -78,7 +85,7 @@ class Physics:
         return Pose(self.data.xpos[self._body_ids], self.data.xquat[self._body_ids])
 
     def T_world(self, name: str) -> Pose:
-        body = self._bodies[name]
+        body = self.bodies[name]
         return Pose(self.data.xpos[body], self.data.xquat[body])
 
     @property
@@ -101,10 +108,13 @@ class Physics:
         """[rad]"""
         return self.position("door")
 
-    @property
-    def door_speed(self) -> float:
-        """[rad/s]"""
-        return float(self.data.qvel[self._part_v["door"]])
+    def joint_v(self, name: str) -> int:
+        """Index, in the velocities, of the joint that a part turns or slides on, or of the six of what is loose."""
+        return int(self.model.jnt_dofadr[self.model.body_jntadr[self.bodies[name]]])
+
+    def hand_velocity(self) -> Array:
+        """Linear velocity (3,) of the end-effector frame [m/s], world axes."""
+        return np.asarray(self.jacobian()[:3] @ self.data.qvel[self._arm_v])
 
     def speed(self, food: str) -> float:
         """Speed of a food's centre [m/s]."""
@@ -113,14 +123,14 @@ class Physics:
 
     def robot_touches(self, name: str) -> bool:
         """Whether any part of the robot is in contact with the object."""
-        body = self._bodies[name]
+        body = self.bodies[name]
         owners = self.model.geom_bodyid[self.data.contact.geom[: self.data.ncon]]
-        return any((a == body and b in self._robot) or (b == body and a in self._robot) for a, b in owners.tolist())
+        return any((a == body and b in self.robot) or (b == body and a in self.robot) for a, b in owners.tolist())
 
     @property
     def loose(self) -> tuple[str, ...]:
         """Objects that nothing holds in place."""
-        return tuple(name for name, body in self._bodies.items() if self.model.body_dofnum[body] == 6)
+        return tuple(name for name, body in self.bodies.items() if self.model.body_dofnum[body] == 6)
 
     def contacts(self) -> frozenset[tuple[str, str]]:
         """Pairs of what touches, in alphabetical order: objects, and `ROBOT`."""
@@ -130,7 +140,7 @@ class Physics:
 
     def _owners(self) -> list[str]:
         """By body: the object that it is or belongs to, `ROBOT`, or '' for the room."""
-        names = {body: name for name, body in self._bodies.items()} | dict.fromkeys(self._robot, ROBOT)
+        names = {body: name for name, body in self.bodies.items()} | dict.fromkeys(self.robot, ROBOT)
         owner = [""] * self.model.nbody
         for body in range(1, self.model.nbody):  # parents come first
             owner[body] = names.get(body, owner[self.model.body_parentid[body]])
@@ -141,8 +151,7 @@ class Physics:
     def reset(self) -> None:
         """The model's zero state, with nothing acting on it."""
         self._mj.mj_resetData(self.model, self.data)
-        self.door_torque = 0.0
-        self.hand_force = np.zeros(3)
+        self.loads.clear()
         self.controller.reset()
 
     def start_clock(self) -> None:
@@ -154,7 +163,7 @@ class Physics:
 
     def set_unit(self, name: str, shift: ArrayLike) -> None:
         """Put a unit at its place in the layout plus `shift` (3,) [m]."""
-        self.model.body_pos[self._bodies[name]] = np.asarray(layout.UNITS[name].center) + np.asarray(shift)
+        self.model.body_pos[self.bodies[name]] = np.asarray(layout.UNITS[name].center) + np.asarray(shift)
 
     def set_part(self, name: str, position: float) -> None:
         """Open a part that far [rad] or [m], at rest."""
@@ -170,6 +179,10 @@ class Physics:
             raise InputError(f"the arm needs 7 finite joint positions, got {q!r}")
         self.data.qpos[self._arm_q], self.data.qvel[self._arm_v] = q, 0.0
         self.data.qpos[self._finger_q] = (aperture / 2, -aperture / 2)
+
+    def put_obstacle(self, p: ArrayLike) -> None:
+        """Hold the obstacle at a point (3,) [m]; it gives way to nothing."""
+        self.data.mocap_pos[self.model.body_mocapid[self.bodies[layout.OBSTACLE]]] = p
 
     def forward(self) -> None:
         """Recompute all that follows from the state."""
@@ -193,10 +206,13 @@ class Physics:
         dt, torques, arm_v = model.opt.timestep, self.controller.torques, self._arm_v
         block = np.ix_(arm_v, arm_v)
         data.ctrl[self._fingers] = _CLOSED if close_gripper else _OPEN
-        data.qfrc_applied[self._part_v["door"]] = self.door_torque
-        data.xfrc_applied[self._hand, :3] = self.hand_force
+        self._unload()
         for _ in range(steps):
             mj.mj_step1(model, data)
+            if self.loads:
+                self._unload()
+                for load in self.loads:
+                    load()
             mj.mj_fullM(model, self._M, data.qM)
             M = np.ascontiguousarray(self._M[block])
             data.ctrl[self._motors] = torques(
@@ -205,3 +221,7 @@ class Physics:
             mj.mj_step2(model, data)
         # poses belong to the state after the last step, not the one before it
         mj.mj_forward(model, data)
+
+    def _unload(self) -> None:
+        self.data.qfrc_applied[:] = 0.0
+        self.data.xfrc_applied[:] = 0.0

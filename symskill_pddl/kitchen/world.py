@@ -8,9 +8,9 @@ import numpy as np
 from numpy.random import default_rng
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.geometry import Array
+from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.kitchen import arm, layout
-from symskill_pddl.kitchen.disturbances import Disturbance
+from symskill_pddl.kitchen.disturbances import Disturbance, Running
 from symskill_pddl.kitchen.physics import Physics
 from symskill_pddl.kitchen.tasks import Episode, TaskSpec, food_pose, task_named
 from symskill_pddl.scene import Command, Scene
@@ -29,18 +29,36 @@ class Kitchen:
         What was drawn from the seed.
     physics : Physics
         The simulator. Judges, disturbances and demonstrators may look; learned controllers see `observe()` only.
-    disturbances : tuple of Disturbance
-        What will be done to the scene.
+    events : list of (float, str)
+        What was done to the scene so far, and when it began [s].
+    views : list of callable
+        What stands between the true poses of the objects and those that are seen.
+    forced_open : bool
+        Whether the fingers are held open in the coming control period, whatever the command.
     extents : dict of str to (float, float, float)
         Half sizes per type [m].
     watchers : list of callable
         Called with every scene that `step` returns.
+
+    Raises
+    ------
+    InputError
+        A disturbance is not possible in this scene.
     """
 
-    def __init__(self, spec: TaskSpec, episode: Episode, physics: Physics, disturbances: tuple[Disturbance, ...] = ()) -> None:
-        self.spec, self.episode, self.physics, self.disturbances = spec, episode, physics, disturbances
-        self.extents = dict(layout.EXTENTS)
+    def __init__(
+        self, spec: TaskSpec, episode: Episode, physics: Physics, disturbances: Iterable[Disturbance] = (), seed: int = 0
+    ) -> None:
+        self.spec, self.episode, self.physics = spec, episode, physics
+        disturbances = tuple(disturbances)
+        for disturbance in disturbances:
+            disturbance.check(layout.TYPES)
+        self._disturbances = tuple(Running(disturbance, seed, i) for i, disturbance in enumerate(disturbances))
+        self._added = {name: kind for disturbance in disturbances for name, kind in disturbance.kind.adds.items()}
+        self.events: list[tuple[float, str]] = []
         self.watchers: list[Callable[[Scene], None]] = []
+        self.views: list[Callable[[Pose], Pose]] = []
+        self.extents = layout.EXTENTS | {kind: layout.ADDED_EXTENTS[kind] for kind in self._added.values()}
         self.forced_open = False
         self._closed = False
 
@@ -65,18 +83,25 @@ class Kitchen:
 
     def observe(self) -> Scene:
         """The present scene."""
+        T_world_objects = self.physics.T_world_objects()
+        if self._added:
+            added = Pose.stack([self.physics.T_world(name) for name in self._added])
+            T_world_objects = Pose(np.concatenate([T_world_objects.p, added.p]), np.concatenate([T_world_objects.q, added.q]))
+        for view in self.views:
+            T_world_objects = view(T_world_objects)
         return Scene(
             time=self.time,
             T_world_ee=self.physics.T_world_ee(),
             aperture=self.physics.aperture,
             gripper_closed=self._closed,
-            objects=dict(layout.TYPES),
-            T_world_objects=self.physics.T_world_objects(),
+            objects=layout.TYPES | self._added,
+            T_world_objects=T_world_objects,
         )
 
     def step(self, command: Command) -> Scene:
         """Carry out the command for one period and return the scene after it."""
-        for disturbance in self.disturbances:
+        self.forced_open = False
+        for disturbance in self._disturbances:
             disturbance.act(self)
         self._closed = command.close_gripper
         self.physics.advance(_limited(command.twist), command.close_gripper and not self.forced_open, PHYSICS_STEPS)
@@ -87,8 +112,12 @@ class Kitchen:
 
     def notify_step(self, k: int) -> None:
         """The executor starts its k-th operator (from 0): disturbances may wait for it."""
-        for disturbance in self.disturbances:
+        for disturbance in self._disturbances:
             disturbance.operator_started(k)
+
+    def note(self, text: str) -> None:
+        """Something is done to the scene from now on."""
+        self.events.append((self.time, text))
 
     def succeeded(self) -> bool:
         """The judge, on the simulator's own state."""
@@ -117,7 +146,7 @@ def make(task: str, seed: int, disturbances: Iterable[Disturbance] = ()) -> Kitc
     for _ in range(50):
         episode = spec.draw(rng)
         if _set_up(physics, episode):
-            return Kitchen(spec, episode, physics, tuple(disturbances))
+            return Kitchen(spec, episode, physics, disturbances, seed)
     raise InputError(f"task '{task}', seed {seed}: no episode within the arm's reach in 50 draws")
 
 

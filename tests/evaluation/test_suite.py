@@ -7,6 +7,7 @@ from symskill_pddl.evaluation import suite as suites
 from symskill_pddl.evaluation.suite import ERROR, PRESETS, Suite, chosen, run_one, run_suite, tasks_named
 from symskill_pddl.execution.config import ExecutionConfig, MotionConfig
 from symskill_pddl.kitchen import TASKS
+from symskill_pddl.kitchen.disturbances import KINDS
 from symskill_pddl.library import Library
 
 EMPTY = Library((), (), (), {})
@@ -29,12 +30,16 @@ def test_every_preset_is_a_suite() -> None:
         Suite(preset.tasks, 1, 0, disturbances=preset.disturbances)
     assert set(PRESETS["atomic"].tasks) | set(PRESETS["composed"].tasks) == set(TASKS)
     assert chosen(None, "disturbed").disturbances
+    assert chosen(None, "mixed").disturbances == ("any@p=0.005",)
+    assert set(KINDS) - {"any"} < set(PRESETS)
+    assert chosen(None, "close-drawer").tasks == ("OpenDrawer", "CloseDrawer")
+    assert "OpenDrawer" not in chosen(None, "drop").tasks
     assert chosen("StoreCheese", None).tasks == ("StoreCheese",)
 
 
 @pytest.mark.parametrize(("tasks", "preset"), [(None, None), ("all", "atomic"), (None, "impossible")])
 def test_one_of_tasks_and_preset(tasks: str | None, preset: str | None) -> None:
-    with pytest.raises(InputError, match="atomic, composed, disturbed"):
+    with pytest.raises(InputError, match=r"atomic, close-door, .*, composed, disturbed, drop"):
         chosen(tasks, preset)
 
 

@@ -83,10 +83,10 @@ def test_a_pushed_door_moves_and_stays_where_it_is_left():
     kitchen = make("OpenSingleDoor", 0)
     # out of the way of the door
     kitchen.physics.set_arm(arm.solve(kitchen.physics, hand_pose((0.46, 0.43, 0.10), np.radians(-15.0), np.radians(70.0))))
-    kitchen.physics.door_torque = 3.0
+    kitchen.physics.loads.append(lambda: kitchen.physics.data.qfrc_applied.__setitem__(kitchen.physics.joint_v("door"), 3.0))
     for _ in range(20):
         kitchen.step(Command.hold(False))
-    kitchen.physics.door_torque = 0.0
+    kitchen.physics.loads.clear()
     for _ in range(20):
         kitchen.step(Command.hold(False))
     angle = kitchen.physics.door_angle
