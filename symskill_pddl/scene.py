@@ -5,8 +5,9 @@ The same `Scene` serves recordings and the live robot. It holds poses and types 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -100,3 +101,12 @@ class World(Protocol):
 
     def step(self, command: Command) -> Scene:
         """Carry out the command for one period and return the scene after it."""
+
+
+@runtime_checkable
+class Timed(Protocol):
+    """A world that says what its last `step` spent on the robot's own business, apart from waiting or simulating."""
+
+    @property
+    def ms(self) -> Mapping[str, float]:
+        """Duration of `observe` and of `controller` [ms], as far as they are known."""

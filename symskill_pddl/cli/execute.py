@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from dataclasses import asdict
 from functools import partial as partial_of
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -154,18 +155,22 @@ def outcome_json(episode: Episode, result: EpisodeResult, outcome: Outcome) -> d
             }
             for s in outcome.steps
         ],
-        "plan_ms": [round(1000 * t, 3) for t in outcome.plan_seconds],
-        "tick_ms": outcome.tick_ms,
+        "times_ms": {name: asdict(spread) for name, spread in outcome.times.items()},
     }
 
 
 def tell(result: EpisodeResult, outcome: Outcome) -> None:
     """A run for people."""
+    from symskill_pddl.execution.timing import AGAIN, FIRST, TICK
+
     rows = [(f"{s.start_s:.1f}", f"{s.stop_s:.1f}", s.step, s.verdict, s.reason) for s in outcome.steps]
     if rows:
         table("", ("from [s]", "to [s]", "step", "verdict", "because"), rows)
     recovered = f", recoveries: {', '.join(outcome.recoveries)}" if outcome.recoveries else ""
     say(f"{result.category}: {result.reason} ({result.time_s:.1f} s, {result.replans} new plans{recovered})")
+    measured = [f"{name} {t.p95:.2f} ms (of {t.n})" for name in (TICK, FIRST, AGAIN) if (t := outcome.times.get(name))]
+    if measured:
+        say(f"computing time at the 95th percentile: {', '.join(measured)}")
 
 
 def evaluate(

@@ -17,7 +17,7 @@ from symskill_pddl.execution.recovery import backed_off, near, servo, way_back
 from symskill_pddl.execution.runner import Fingers
 from symskill_pddl.geometry import Array, Pose, rotation_distance
 from symskill_pddl.library import Library
-from symskill_pddl.scene import Command, Scene, World
+from symskill_pddl.scene import Command, Scene, Timed, World
 from symskill_pddl.skills import scalar
 from symskill_pddl.symbols import State
 
@@ -50,6 +50,7 @@ class Body:
         self.grasp_entry = 0
         """Entry of `path` up to which the fingers were last open: where the present grasp was made."""
         self.closing = self.scene.gripper_closed
+        self._timed = world if isinstance(world, Timed) else None
         self.ms: dict[str, float] = {}
 
     @property
@@ -73,7 +74,9 @@ class Body:
         self.scene = self._world.step(command)
         seen = perf_counter()
         self._sense = self._sense.update(self._read(self.scene, self._sense.state))
-        self.ms = {"observe": 1e3 * (seen - begin), "abstract": 1e3 * (perf_counter() - seen)}
+        own = dict(self._timed.ms) if self._timed is not None else {}
+        world = 1e3 * (seen - begin) - sum(own.values())
+        self.ms = {"world": world, **own, "abstract": 1e3 * (perf_counter() - seen)}
         self.closing = command.close_gripper
         moved, turned = scalar.apart(self.scene.T_world_ee, self.path[-1])
         if moved > _PATH_SPACING_M or turned > _PATH_SPACING_RAD:
@@ -96,13 +99,14 @@ class Body:
         )
         return frozenset(name for name, rests in zip(now.objects, still, strict=True) if rests and name in self._objects)
 
-    def velocities(self) -> Mapping[str, Array]:
-        """Linear velocities (3,) [m/s] of the objects that move, in world axes, over the last quarter of a second."""
+    def velocities(self) -> Array:
+        """Linear velocities (n, 3) [m/s] of the scene's objects, in world axes, over the last quarter of a second; 0 at rest."""
         then, now = self._recent[0], self.scene
         if now.time <= then.time:
-            return {}
+            return np.zeros((len(now.objects), 3))
         v = (now.T_world_objects.p - then.T_world_objects.p) / (now.time - then.time)
-        return {name: v[i] for i, name in enumerate(now.objects) if _MOVING_M_S < np.linalg.norm(v[i]) < _JUMPS_M_S}
+        speed = np.sqrt((v * v).sum(-1, keepdims=True))
+        return np.where((speed > _MOVING_M_S) & (speed < _JUMPS_M_S), v, 0.0)
 
     def hold(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
         """Stay where one is, fingers as they are, at most this long; whether `until` came true."""

@@ -7,6 +7,7 @@ remembered per ground step, a run ends with success, and every decision is the p
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from time import perf_counter
 from typing import Any
 
@@ -37,7 +38,8 @@ from symskill_pddl.execution.monitor import (
 from symskill_pddl.execution.outcome import Category, Outcome
 from symskill_pddl.execution.recovery import goal_shift, key_of
 from symskill_pddl.execution.runner import Obstacles, SkillRun
-from symskill_pddl.execution.trace import Header, OutcomeLine, TraceWriter, rows, step_line, tick_line
+from symskill_pddl.execution.timing import spreads
+from symskill_pddl.execution.trace import Header, OutcomeLine, TimesLine, TraceWriter, rows, step_line, tick_line
 from symskill_pddl.library import Library
 from symskill_pddl.planning import Planner
 from symskill_pddl.scene import GRIPPER, Scene, World
@@ -108,7 +110,7 @@ def execute(
         recoveries=tuple(journal.recoveries),
         time_s=run.body.elapsed,
         plan_seconds=tuple(journal.plan_seconds),
-        tick_ms=journal.stopwatch.summary(),
+        times=spreads(journal.ticks, journal.plan_seconds),
         state=run.body.state,
     )
     journal.emit(
@@ -120,7 +122,7 @@ def execute(
             replans=outcome.replans,
             recoveries=len(outcome.recoveries),
             seconds=perf_counter() - begin,
-            ms=outcome.tick_ms,
+            times={name: TimesLine(**asdict(spread)) for name, spread in outcome.times.items()},
         )
     )
     return outcome
@@ -255,10 +257,14 @@ class _Run:
             )
             judgement = judge(watch, tick, memory)
             verdict, memory = judgement.verdict, judgement.memory
-            ms = {**body.ms, "skill": skill_ms, "monitor": 1e3 * (perf_counter() - begin)}
-            self.journal.stopwatch.add(ms)
+            decided = perf_counter()
+            ms = {**body.ms, "skill": skill_ms - run.obstacles_ms, "monitor": 1e3 * (decided - begin)}
+            if run.avoids:
+                ms["obstacles"] = run.obstacles_ms
             if self.journal.listens:
                 self.journal.emit(tick_line(tick, before, verdict, {name: round(value, 4) for name, value in ms.items()}))
+                ms["trace"] = 1e3 * (perf_counter() - decided)
+            self.journal.ticks.append(ms)
             before = tick.state
             if not isinstance(verdict, Continue):
                 return verdict

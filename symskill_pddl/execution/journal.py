@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from symskill_pddl.execution.monitor import Verdict
-from symskill_pddl.execution.outcome import StepRecord, Stopwatch
+from symskill_pddl.execution.outcome import StepRecord
 from symskill_pddl.execution.trace import RecoveryLine, TraceWriter
 from symskill_pddl.symbols import GroundOperator
 
@@ -19,7 +19,8 @@ class Journal:
         self.steps: list[StepRecord] = []
         self.recoveries: list[str] = []
         self.plan_seconds: list[float] = []
-        self.stopwatch = Stopwatch()
+        self.ticks: list[dict[str, float]] = []
+        """Duration of the stages of every tick [ms]."""
 
     @property
     def listens(self) -> bool:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from time import perf_counter
 
 import numpy as np
 
@@ -98,6 +99,13 @@ class SkillRun:
         self._stage, self._stage_since = 0, scene.time
         self._rest_since = scene.time
         self._previous = scene
+        self.obstacles_ms = 0.0
+        """How much of the last tick's time went into obstacles [ms]."""
+
+    @property
+    def avoids(self) -> bool:
+        """Whether there may be obstacles."""
+        return self._obstacles is not None
 
     @property
     def phases(self) -> int:
@@ -124,7 +132,9 @@ class SkillRun:
         changed = self._skill.close_gripper_at_end != self._skill.phases[-1].close_gripper
         if not settling and not (ended and changed):
             nominal = self._twist(min(self._stage, self.phases - 1), scene)
+        begin = perf_counter()
         twist = self._modulated(nominal, scene)
+        self.obstacles_ms = 1e3 * (perf_counter() - begin)
         return Motion(
             Command(capped(twist, self._config.max_speed, self._config.max_turn), self._fingers.closing),
             self._stage,
@@ -176,7 +186,7 @@ class SkillRun:
         if self._obstacles is None or not np.any(nominal[:3]):
             return nominal
         phase = self._skill.phases[min(self._stage, self.phases - 1)]
-        goal = phase.T_world_goal(*self._frame(phase, scene)).p
+        goal = phase.goal_p(*self._frame(phase, scene))
         return np.concatenate([modulate(nominal[:3], scene.T_world_ee.p, self._obstacles(scene), goal=goal), nominal[3:]])
 
 
@@ -194,7 +204,7 @@ class Obstacles:
     spared : frozenset of str
         Objects to leave out: the step's arguments and what is held.
     velocities : callable
-        The present velocities of the objects that move, (3,) [m/s].
+        The present velocities (n, 3) [m/s] of the scene's objects.
     """
 
     def __init__(
@@ -203,7 +213,7 @@ class Obstacles:
         extents: Mapping[str, tuple[float, float, float]],
         spared: frozenset[str],
         config: MotionConfig,
-        velocities: Callable[[], Mapping[str, Array]] = dict,
+        velocities: Callable[[], Array] | None = None,
     ) -> None:
         def small(name: str, kind: str) -> bool:
             return name not in spared and kind in extents and max(extents[kind]) <= config.obstacle_limit
@@ -215,8 +225,5 @@ class Obstacles:
         self._velocities = velocities
 
     def __call__(self, scene: Scene) -> Ellipsoids:
-        moving, velocity = self._velocities(), np.zeros(self._radii.shape)
-        for i, name in enumerate(self.names):
-            if name in moving:
-                velocity[i] = moving[name]
+        velocity = np.zeros(self._radii.shape) if self._velocities is None else self._velocities()[self._rows]
         return Ellipsoids(scene.T_world_objects[self._rows], self._radii, velocity)

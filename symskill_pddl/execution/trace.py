@@ -1,7 +1,7 @@
 """The trace of a run: `trace.jsonl`, one JSON object a line, from which every decision of the monitor can be replayed.
 
 The first line is a `Header` with the schema's version. Every line is flushed as it is written, so that a crash loses at most
-the line being written; reading tolerates such a cut last line and says so. The fields named `ms` and `seconds` are wall-clock
+the line being written; reading tolerates such a cut last line and says so. The fields `ms`, `seconds` and `times` are wall-clock
 measurements and differ between runs; everything else is a function of the inputs and the seed.
 """
 
@@ -28,7 +28,7 @@ from symskill_pddl.execution.monitor import (
 )
 from symskill_pddl.symbols import Atom, GroundOperator, State
 
-SCHEMA = 1
+SCHEMA = 2
 
 Row = Annotated[tuple[str, ...], Field(min_length=1)]
 """An atom in JSON: predicate, then arguments."""
@@ -159,6 +159,15 @@ class NoteLine(_Line):
     text: str
 
 
+class TimesLine(_Line):
+    """Wall-clock times of one kind [ms], as `timing.Spread`."""
+
+    n: int
+    p50: float
+    p95: float
+    max: float
+
+
 class OutcomeLine(_Line):
     """Last line."""
 
@@ -170,7 +179,7 @@ class OutcomeLine(_Line):
     replans: int
     recoveries: int
     seconds: float = 0.0
-    ms: dict[str, float] = {}
+    times: dict[str, TimesLine] = {}
 
 
 Line = Annotated[

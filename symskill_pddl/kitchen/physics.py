@@ -6,6 +6,7 @@ robosuite's own loop runs its Python controllers at every physics step and is fi
 from __future__ import annotations
 
 from collections.abc import Callable
+from time import perf_counter
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -39,6 +40,8 @@ class Physics:
         The bodies of the arm and the hand.
     loads : list of callable
         Called in every physics step; they add forces to `data.xfrc_applied` and `data.qfrc_applied`, which are zero before.
+    controller_s : float
+        Wall-clock time of the controller in the last `advance` [s].
     """
 
     def __init__(self, controller: PassiveController | None = None) -> None:
@@ -47,6 +50,7 @@ class Physics:
         self.data = self._mj.MjData(self.model)
         self.controller = controller or PassiveController()
         self.loads: list[Callable[[], None]] = []
+        self.controller_s = 0.0
 
         joint = self.model.joint
         self._arm_q = np.array([joint(name).qposadr[0] for name in ARM_JOINTS])
@@ -207,17 +211,20 @@ class Physics:
         block = np.ix_(arm_v, arm_v)
         data.ctrl[self._fingers] = _CLOSED if close_gripper else _OPEN
         self._unload()
+        self.controller_s = 0.0
         for _ in range(steps):
             mj.mj_step1(model, data)
             if self.loads:
                 self._unload()
                 for load in self.loads:
                     load()
+            begin = perf_counter()
             mj.mj_fullM(model, self._M, data.qM)
             M = np.ascontiguousarray(self._M[block])
             data.ctrl[self._motors] = torques(
                 data.qpos[self._arm_q], data.qvel[arm_v], self.jacobian(), M, data.qfrc_bias[arm_v], twist, dt
             )
+            self.controller_s += perf_counter() - begin
             mj.mj_step2(model, data)
         # poses belong to the state after the last step, not the one before it
         mj.mj_forward(model, data)

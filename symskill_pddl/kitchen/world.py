@@ -61,6 +61,7 @@ class Kitchen:
         self.extents = layout.EXTENTS | {kind: layout.ADDED_EXTENTS[kind] for kind in self._added.values()}
         self.forced_open = False
         self._closed = False
+        self.ms: dict[str, float] = {}
 
     @property
     def period_s(self) -> float:

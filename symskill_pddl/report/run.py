@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
+from symskill_pddl.execution.timing import AGAIN, FIRST, STAGES, TICK, spreads
 from symskill_pddl.execution.trace import (
     NoteLine,
     PlanLine,
@@ -202,25 +202,16 @@ def _attempt(number: int, plan: int, line: StepLine, tick: TickLine | None, stop
 
 
 def _timing(trace: Trace) -> tuple[TimingView, ...]:
-    kinds: dict[str, list[float]] = {}
-    for line in trace.lines:
-        if isinstance(line, PlanLine):
-            kinds.setdefault("planning", []).append(1e3 * line.seconds)
-        elif isinstance(line, TickLine):
-            for name, value in line.ms.items():
-                kinds.setdefault(f"tick: {name}", []).append(value)
-            if len(line.ms) > 1:
-                kinds.setdefault("tick: all of these", []).append(sum(line.ms.values()))
-    return tuple(
-        TimingView(name, len(values), percentile(values, 50), percentile(values, 95), max(values))
-        for name, values in kinds.items()
-    )
+    found = spreads((line.ms for line in trace.of("tick") if line.ms), [line.seconds for line in trace.of("plan")])
+    return tuple(TimingView(_named(name), s.n, s.p50, s.p95, s.max) for name, s in found.items())
 
 
-def percentile(values: Sequence[float], percent: float) -> float:
-    """The smallest value with at least `percent` of all values at or below it (nearest rank)."""
-    ordered = sorted(values)
-    return ordered[max(0, math.ceil(percent / 100 * len(ordered)) - 1)]
+def _named(name: str) -> str:
+    if name in (FIRST, AGAIN):
+        return name
+    if name == TICK:
+        return f"tick: {' + '.join(STAGES)}"
+    return name if name in STAGES else f"{name} (beside the tick)"
 
 
 def _atom(row: Iterable[str]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import sqrt
 
 import numpy as np
@@ -52,7 +53,7 @@ class Field:
         s_p, s_q = self.pairing.factors(np.sqrt((e_p @ P * e_p).sum(-1)), np.sqrt((e_q * e_q).sum(-1)))
         return np.concatenate((s_p[..., None] * v, s_q[..., None] * omega), axis=-1)
 
-    @property
+    @cached_property
     def T_goal(self) -> Pose:
         """The attractor, in the field's frame."""
         return Pose(self.position.goal, self.orientation.goal)

@@ -73,15 +73,17 @@ class Phase:
         """Where the phase ends, in the world."""
         return T_world_frame @ shift @ self.field.T_goal
 
+    def goal_p(self, T_world_frame: Pose, shift: Pose = UNSHIFTED) -> scalar.Vector:
+        """The position of `T_world_goal` [m]."""
+        base_p, base_q = _base(T_world_frame, shift)
+        return _plus(base_p, scalar.rotate(base_q, scalar.floats(self.field.T_goal)[0]))
+
     def reached(self, T_world_frame: Pose, T_world_ee: Pose, shift: Pose = UNSHIFTED, *, scale: float = 1.0) -> bool:
         """Whether the end effector is within `scale` times the tolerances of the phase's end."""
         base_p, base_q = _base(T_world_frame, shift)
-        (p, q), (goal_p, goal_q) = scalar.floats(T_world_ee), scalar.floats(self.field.T_goal)
-        goal_p = _plus(base_p, scalar.rotate(base_q, goal_p))
-        return (
-            dist(p, goal_p) <= self.tolerance_p * scale
-            and scalar.angle(q, scalar.multiply(base_q, goal_q)) <= self.tolerance_r * scale
-        )
+        (p, q), goal = scalar.floats(T_world_ee), scalar.floats(self.field.T_goal)
+        goal_p, goal_q = _plus(base_p, scalar.rotate(base_q, goal[0])), scalar.multiply(base_q, goal[1])
+        return dist(p, goal_p) <= self.tolerance_p * scale and scalar.angle(q, goal_q) <= self.tolerance_r * scale
 
 
 def _base(T_world_frame: Pose, shift: Pose) -> tuple[scalar.Vector, scalar.Quaternion]:

@@ -66,7 +66,9 @@ class TestSuccess:
         assert world.grasp is None
         assert outcome.state >= IN_CABINET
         assert len(outcome.plan_seconds) == 1
-        assert {"p50", "p95", "p99", "max", "abstract", "monitor", "observe", "skill"} == set(outcome.tick_ms)
+        # the fake world does not say what it spends on observing, so that all of its step counts as the world's own
+        assert list(outcome.times) == ["tick", "abstract", "monitor", "skill", "world", "first plan"]
+        assert all(0 <= t.p50 <= t.p95 <= t.max for t in outcome.times.values())
 
     def test_the_exit_is_carried_out_before_the_next_step(self):
         world = FakeWorld(angle=1.5)

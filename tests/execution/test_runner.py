@@ -142,7 +142,8 @@ def test_obstacles_are_the_small_things_one_has_nothing_to_do_with():
     assert np.all(found.radii > np.array(extents["food"]) + CONFIG.obstacle_clearance)
     assert np.all(found.velocity == 0)
     assert len(Obstacles(OBJECTS, extents, frozenset(OBJECTS), CONFIG)(scene)) == 0
-    moving = Obstacles(OBJECTS, extents, frozenset({"counter"}), CONFIG, lambda: {"cheese": np.array([0.1, 0, 0])})(scene)
+    velocities = np.array([[0.1, 0, 0], *np.zeros((3, 3))])
+    moving = Obstacles(OBJECTS, extents, frozenset({"counter"}), CONFIG, lambda: velocities)(scene)
     assert np.allclose(moving.velocity, [[0.1, 0, 0]])
 
 

@@ -141,7 +141,7 @@ def test_the_listener_gets_every_line(path):
         ("", "starts with a header"),
         ('{"event": "note", "time": 0, "text": ""}\n', "starts with a header"),
         ('{"event": "header"}\n{"event": "nonsense"}\n{"event": "note", "time": 0, "text": ""}\n', ":2: not a line of a trace"),
-        ('{"event": "header", "schema_version": 99}\n', "version 99, this program reads version 1"),
+        ('{"event": "header", "schema_version": 99}\n', "version 99, this program reads version 2"),
         ('{"event": "header"}\n{"event": "note"\n', ":2: not a line"),
         ('{"event": "header", "colour": "red"}\n', ":1: not a line of a trace: header.colour"),
         ("{", ":1: not a line of a trace"),
