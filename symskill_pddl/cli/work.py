@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,6 +10,9 @@ from typing import TYPE_CHECKING
 from symskill_pddl.cli.console import progress
 from symskill_pddl.cli.options import make_folder, read_text, write_text
 from symskill_pddl.errors import InputError
+
+JOBS = max(1, min(os.cpu_count() or 1, 8))
+"""Processes that fit skills side by side; the result is the same with any number."""
 
 if TYPE_CHECKING:
     from symskill_pddl.evaluation.results import Settings
@@ -44,7 +48,7 @@ def learn_from(files: Sequence[Path], output: Path, *, into: bool = False) -> tu
         demos = list(added(open_library(output), demos))
     title = f"learning from {len(demos)} demonstrations in {len({d.source for d in demos})} files"
     with progress(title) as advance:
-        library, report = learn_reported(demos, progress=lambda stage: advance(text=f"{title}: {stage}"))
+        library, report = learn_reported(demos, jobs=JOBS, progress=lambda stage: advance(text=f"{title}: {stage}"))
     library.save(output)
     return library, report
 

@@ -14,41 +14,39 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symskill_pddl.abstraction import Classifier
-from symskill_pddl.demos import Demo, decode_demos, encode_demos, merged_extents
+from symskill_pddl.demos import Demo, decode_demos, encode_demos
 from symskill_pddl.errors import LearningError
-from symskill_pddl.learning.endings import EndingConfig, complete
-from symskill_pddl.learning.goals import learn_goals
-from symskill_pddl.learning.naming import contact_names, place_names
-from symskill_pddl.learning.operators import OperatorConfig, OperatorGroup, learn_operators
-from symskill_pddl.learning.predicates import PredicateConfig, Relations, learn_relations
-from symskill_pddl.learning.segments import Episode, SegmentConfig, segment_all
+from symskill_pddl.learning.operators import OperatorGroup
+from symskill_pddl.learning.segments import Episode
 from symskill_pddl.learning.skills import SkillConfig, learn_skill
-from symskill_pddl.learning.transitions import gripper_rule, transitions, truth_of
+from symskill_pddl.learning.symbolic import Selector, SymbolConfig, Symbolic, learn_symbols
 from symskill_pddl.library import LearnedOperator, Library
-from symskill_pddl.scene import GRIPPER
 from symskill_pddl.skills import Skill
-from symskill_pddl.symbols import Predicate, Type
+from symskill_pddl.symbols import Type
 
 
 @dataclass(frozen=True)
-class LearnConfig:
+class LearnConfig(SymbolConfig):
     """All settings of learning, stage by stage."""
 
-    segments: SegmentConfig = field(default_factory=SegmentConfig)
-    endings: EndingConfig = field(default_factory=EndingConfig)
-    predicates: PredicateConfig = field(default_factory=PredicateConfig)
-    operators: OperatorConfig = field(default_factory=OperatorConfig)
     skills: SkillConfig = field(default_factory=SkillConfig)
 
 
 @dataclass(frozen=True, eq=False)
 class LearnReport:
-    """What happened on the way: episodes, what was left out and why, seconds per stage."""
+    """What happened on the way, and the seconds of each stage."""
 
-    episodes: tuple[Episode, ...]
-    notes: tuple[str, ...]
+    symbols: Symbolic
     seconds: tuple[tuple[str, float], ...]
+
+    @property
+    def episodes(self) -> tuple[Episode, ...]:
+        return self.symbols.episodes
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was left out, and why."""
+        return self.symbols.notes
 
 
 def learn(
@@ -99,40 +97,27 @@ def added(library: Library, new: Sequence[Demo]) -> tuple[Demo, ...]:
 
 
 def learn_reported(
-    demos: Sequence[Demo], config: LearnConfig | None = None, *, jobs: int = 1, progress: Callable[[str], None] | None = None
+    demos: Sequence[Demo],
+    config: LearnConfig | None = None,
+    *,
+    jobs: int = 1,
+    progress: Callable[[str], None] | None = None,
+    selector: Selector | None = None,
 ) -> tuple[Library, LearnReport]:
-    """`learn`, with the report of what was left out."""
+    """`learn`, with the report of what was left out; `selector` chooses references in place of the default."""
     config = config or LearnConfig()
     clock = _Clock(progress)
     demos = _sorted(demos)
-    extents = merged_extents(demos)
-    clock.stage("segments")
-    episodes = complete(segment_all(demos, config.segments), config.endings, config.segments)
-    clock.stage("predicates")
-    relations = learn_relations(demos, episodes, extents, config.predicates)
-    places = place_names(relations, extents)
-    contacts = contact_names(relations, places)
-    classifiers = _classifiers(relations, places, contacts)
-    clock.stage("operators")
-    gripper = gripper_rule(demos)
-    truths = {demo.where: truth_of(demo, classifiers, gripper) for demo in demos}
-    found, odd_transitions = transitions(relations, truths, places, contacts)
-    groups, odd_operators = learn_operators(found, demos, relations, classifiers, places, contacts, extents, config.operators)
-    notes = (*relations.notes, *odd_transitions, *odd_operators)
-    if not groups:
-        raise LearningError(
-            f"no operator comes out of {len(demos)} demonstrations with {len(episodes)} motions; first reason: {notes[0]}"
-        )
+    found = learn_symbols(demos, config, selector=selector, progress=clock.stage)
     clock.stage("skills")
-    learned, skills = _skills(groups, config.skills, jobs)
-    goals = learn_goals(demos, episodes, truths, places)
+    learned, skills = _skills(found.groups, config.skills, jobs)
     clock.stage("")
     types = tuple(Type(name) for name in sorted({t for demo in demos for t in demo.objects.values()}))
-    margins = {name: p.margin for name, p in zip(places, relations.places, strict=True) if np.isfinite(p.margin)}
+    margins = {name: p.margin for name, p in zip(found.places, found.relations.places, strict=True) if np.isfinite(p.margin)}
     sources = sorted({demo.source for demo in demos})
     recordings = {source: encode_demos([d for d in demos if d.source == source], source) for source in sources}
-    library = Library(types, classifiers, learned, skills, goals, gripper, extents, margins, recordings)
-    return library, LearnReport(episodes, notes, tuple(clock.spent))
+    library = Library(types, found.classifiers, learned, skills, found.goals, found.gripper, found.extents, margins, recordings)
+    return library, LearnReport(found, tuple(clock.spent))
 
 
 def _skills(
@@ -162,20 +147,6 @@ def _fit_arrays(group: OperatorGroup, config: SkillConfig) -> tuple[dict[str, ND
     """As plain arrays, from which the parent makes read-only ones again."""
     skill, notes = learn_skill(group, config)
     return skill.arrays(), notes
-
-
-def _classifiers(relations: Relations, places: Sequence[str], contacts: Sequence[str]) -> tuple[Classifier, ...]:
-    """Contacts first, then places, each in alphabetical order."""
-    of_contacts = [
-        c.shape.classifier(Predicate(name, (c.type,)), GRIPPER, c.type)
-        for c, name in zip(relations.contacts, contacts, strict=True)
-    ]
-    of_places = [p.shape.classifier(Predicate(name, p.types), *p.types) for p, name in zip(relations.places, places, strict=True)]
-    return tuple(sorted(of_contacts, key=_name) + sorted(of_places, key=_name))
-
-
-def _name(classifier: Classifier) -> str:
-    return classifier.predicate.name
 
 
 def _sorted(demos: Sequence[Demo]) -> tuple[Demo, ...]:

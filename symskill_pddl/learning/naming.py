@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from symskill_pddl.learning.predicates import Label, Place, Relations
 from symskill_pddl.learning.references import Extents
+from symskill_pddl.learning.relations import Label, Place, Relations
 
 TURN_IN_PLACE_M = 0.12
 """What the gripper turns this near to its hinge is a knob or a lever; farther away, a door."""

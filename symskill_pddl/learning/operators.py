@@ -12,8 +12,8 @@ from symskill_pddl.abstraction import Classifier
 from symskill_pddl.demos import Demo
 from symskill_pddl.learning.lifting import Lifted, lift
 from symskill_pddl.learning.naming import operator_name, operator_names, slug
-from symskill_pddl.learning.predicates import Relations
 from symskill_pddl.learning.references import Extents
+from symskill_pddl.learning.relations import Relations
 from symskill_pddl.learning.transitions import Transition
 from symskill_pddl.library import Evidence, LearnedOperator
 from symskill_pddl.scene import GRIPPER

@@ -13,7 +13,7 @@ Every other object of the scene, but the object's own parts, is a candidate. A c
   as the candidate speaks for it.
 
 A type is chosen for a group of rests by majority of the first guesses and the sum of scores; within it the object with the best
-score.
+score. Where another selector was asked (`vision`), its answer leads the scores of that rest.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symskill_pddl.demos import Demo
-from symskill_pddl.geometry import Pose, rotation_distance
+from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.learning.segments import Rest
 
 Extents = Mapping[str, tuple[float, float, float]]
@@ -47,6 +47,8 @@ class ReferenceConfig:
     minority: int = 1
     """Groups of at most this many guesses join a larger group if its type scores nearly as well."""
     nearly: float = 0.35
+    answer_weight: float = 3.0
+    """What another selector's answer adds to the score of the object that it names: more than all else together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,74 +70,100 @@ class Placement:
         return self.demo.objects[self.rest.obj], self.demo.objects[self.ref]
 
 
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """What a rest may be at: `names` (k,) in the scene's order, their poses, and `T_ref_obj` (k,)."""
+
+    names: tuple[str, ...]
+    types: tuple[str, ...]
+    T_world_ref: Pose
+    T_ref_obj: Pose
+
+    @classmethod
+    def of(cls, demo: Demo, rest: Rest) -> Candidates:
+        """Every other object of the scene, but the parts that hang on this one."""
+        rows = [i for i, name in enumerate(demo.objects) if name != rest.obj and name not in rest.parts]
+        names = tuple(list(demo.objects)[i] for i in rows)
+        T_world_ref = demo.T_world_objects[(rest.start + rest.stop) // 2, rows]
+        return cls(names, tuple(demo.objects[n] for n in names), T_world_ref, T_world_ref.inverse() @ rest.T_world_obj)
+
+    def of_type(self, type_: str, scores: Array) -> int | None:
+        """The row of this type that scores best; of equal ones the first by name."""
+        rows = [i for i, t in enumerate(self.types) if t == type_]
+        return min(rows, key=lambda i: (-scores[i], self.names[i]), default=None)
+
+
 def place(
-    rests: Sequence[tuple[Demo, Rest]], hinged: bool, extents: Extents, config: ReferenceConfig | None = None
+    rests: Sequence[tuple[Demo, Rest]],
+    hinged: bool,
+    extents: Extents,
+    config: ReferenceConfig | None = None,
+    answers: Mapping[int, str] | None = None,
 ) -> tuple[Placement, ...]:
     """References for the rests of objects of one type, in the order given. `hinged`: the type turns about an axis or slides.
 
-    Rests in scenes that hold no other object are left out.
+    Rests in scenes that hold no other object are left out. `answers` holds, by ``id(rest)``, the object that another selector
+    named.
     """
-    config = config or ReferenceConfig()
-    table = [_prior_scores(demo, rest, hinged, extents, config) for demo, rest in rests]
+    config, answers = config or ReferenceConfig(), answers or {}
+    found = [Candidates.of(demo, rest) for demo, rest in rests]
+    table = [_prior_scores(demo, rest, c, hinged, extents, config) for (demo, rest), c in zip(rests, found, strict=True)]
     if hinged:
-        table = _over_all_rests(rests, table, config)
+        table = _over_all_rests(rests, found, table, config)
+    for (_, rest), candidates, scores in zip(rests, found, table, strict=True):
+        if id(rest) in answers:
+            scores[candidates.names.index(answers[id(rest)])] += config.answer_weight
     groups: dict[str, list[int]] = defaultdict(list)
-    for i, scores in enumerate(table):
-        if scores:
-            best = max(sorted(scores), key=lambda name: scores[name])
-            groups[rests[i][0].objects[best]].append(i)
+    for i, (candidates, scores) in enumerate(zip(found, table, strict=True)):
+        if len(scores):
+            best = min(range(len(scores)), key=lambda k: (-scores[k], candidates.names[k]))
+            groups[candidates.types[best]].append(i)
     guesses = [(demo.where, rest.obj, 0 if hinged else i) for i, (demo, rest) in enumerate(rests)]
-    groups = _absorbed(groups, guesses, rests, table, config)
+    groups = _absorbed(groups, guesses, found, table, config)
     chosen: dict[int, Placement] = {}
     for members in groups.values():
-        totals = _type_scores(members, rests, table)
+        totals = _type_scores(members, found, table)
         ranked = sorted(totals, key=lambda t: (-totals[t], t))
         margin = totals[ranked[0]] - totals[ranked[1]] if len(ranked) > 1 else float("inf")
         for i in members:
-            demo, rest = rests[i]
-            ref = _best_of_type(demo, table[i], ranked[0])
-            if ref is not None:
-                T = _pose_of(demo, ref, rest).inverse() @ rest.T_world_obj
-                chosen[i] = Placement(demo, rest, ref, T, margin)
+            row = found[i].of_type(ranked[0], table[i])
+            if row is not None:
+                chosen[i] = Placement(*rests[i], found[i].names[row], found[i].T_ref_obj[row], margin)
     return tuple(chosen[i] for i in sorted(chosen))
 
 
 def _over_all_rests(
-    rests: Sequence[tuple[Demo, Rest]], table: Sequence[Mapping[str, float]], config: ReferenceConfig
-) -> list[dict[str, float]]:
+    rests: Sequence[tuple[Demo, Rest]], found: Sequence[Candidates], table: Sequence[Array], config: ReferenceConfig
+) -> list[Array]:
     """Mean scores over all rests of one object in one demonstration, plus what its alignment says.
 
     What is hinged or slides hangs on one thing, open or closed, and most often lies in one of its rests as that thing does.
     """
-    owners = [(demo.where, rest.obj) for demo, rest in rests]
-    result: dict[tuple[str, str], dict[str, float]] = {}
-    for owner in dict.fromkeys(owners):
-        own = [i for i, o in enumerate(owners) if o == owner]
-        result[owner] = {}
-        for name in table[own[0]]:
-            turned = min(float(rotation_distance(_pose_of(rests[i][0], name, rests[i][1]), rests[i][1].T_world_obj)) for i in own)
-            prior = float(np.mean([table[i][name] for i in own]))
-            result[owner][name] = prior + config.alignment_weight * float(np.exp(-turned / config.aligned_rad))
-    return [result[o] for o in owners]
+    owned: dict[tuple[str, str], list[int]] = defaultdict(list)
+    for i, (demo, rest) in enumerate(rests):
+        owned[demo.where, rest.obj].append(i)
+    result = list(table)
+    for own in owned.values():
+        turned = [np.linalg.norm(found[i].T_ref_obj.rotvec(), axis=-1) for i in own]
+        nearest = np.min(turned, axis=0)
+        scores = np.mean([table[i] for i in own], axis=0) + config.alignment_weight * np.exp(-nearest / config.aligned_rad)
+        for i in own:
+            result[i] = scores.copy()
+    return result
 
 
-def _pose_of(demo: Demo, obj: str, rest: Rest) -> Pose:
-    return demo.pose(obj)[(rest.start + rest.stop) // 2]
-
-
-def _prior_scores(demo: Demo, rest: Rest, hinged: bool, extents: Extents, config: ReferenceConfig) -> dict[str, float]:
+def _prior_scores(demo: Demo, rest: Rest, found: Candidates, hinged: bool, extents: Extents, config: ReferenceConfig) -> Array:
+    """Contact, proximity and type of each candidate (k,)."""
     own = demo.objects[rest.obj]
-    scores = {}
-    for name, type_ in demo.objects.items():
-        if name == rest.obj or name in rest.parts:
-            continue
-        T_ref_obj = _pose_of(demo, name, rest).inverse() @ rest.T_world_obj
-        contact = _contact(
-            T_ref_obj, _pose_of(demo, name, rest), rest.T_world_obj, extents.get(own), extents.get(type_), hinged, config
-        )
-        proximity = 1.0 / (1.0 + float(np.linalg.norm(T_ref_obj.p)) / config.near_m)
-        scores[name] = contact + config.proximity_weight * proximity - (config.same_type_penalty if type_ == own else 0.0)
-    return scores
+    contact = np.array(
+        [
+            _contact(found.T_ref_obj[k], found.T_world_ref[k], rest.T_world_obj, extents.get(own), extents.get(t), hinged, config)
+            for k, t in enumerate(found.types)
+        ]
+    )
+    proximity = 1.0 / (1.0 + np.linalg.norm(found.T_ref_obj.p, axis=-1) / config.near_m)
+    same = np.array([t == own for t in found.types])
+    return np.asarray(contact + config.proximity_weight * proximity - config.same_type_penalty * same)
 
 
 def _contact(
@@ -164,22 +192,14 @@ def _contact(
     return 0.5 * float(np.exp(-np.hypot(level, max(abs(rise) - half_height, 0.0)) / config.gap_m))
 
 
-def _best_of_type(demo: Demo, scores: Mapping[str, float], type_: str) -> str | None:
-    of_type = [name for name in sorted(scores) if demo.objects[name] == type_]
-    return max(of_type, key=lambda name: scores[name], default=None)
-
-
-def _type_scores(
-    members: Sequence[int], rests: Sequence[tuple[Demo, Rest]], table: Sequence[Mapping[str, float]]
-) -> dict[str, float]:
+def _type_scores(members: Sequence[int], found: Sequence[Candidates], table: Sequence[Array]) -> dict[str, float]:
     """Mean prior of each type that every member's scene holds, plus its dispersion term."""
-    common = set.intersection(*({rests[i][0].objects[name] for name in table[i]} for i in members))
+    common = set.intersection(*(set(found[i].types) for i in members))
     priors, spreads = {}, {}
     for type_ in sorted(common):
-        refs = [_best_of_type(rests[i][0], table[i], type_) for i in members]
-        pairs = [(i, ref) for i, ref in zip(members, refs, strict=True) if ref is not None]
-        priors[type_] = float(np.mean([table[i][ref] for i, ref in pairs]))
-        p = np.array([(_pose_of(rests[i][0], ref, rests[i][1]).inverse() @ rests[i][1].T_world_obj).p for i, ref in pairs])
+        rows = [(i, row) for i in members if (row := found[i].of_type(type_, table[i])) is not None]
+        priors[type_] = float(np.mean([table[i][row] for i, row in rows]))
+        p = np.array([found[i].T_ref_obj.p[row] for i, row in rows])
         spreads[type_] = float(np.sqrt(p.var(axis=0).sum()))
     worst, n = max(spreads.values()), len(members)
     weight = (n - 1) / (n + 1) if worst > 1e-9 else 0.0
@@ -189,8 +209,8 @@ def _type_scores(
 def _absorbed(
     groups: Mapping[str, list[int]],
     guesses: Sequence[tuple[str, str, int]],
-    rests: Sequence[tuple[Demo, Rest]],
-    table: Sequence[Mapping[str, float]],
+    found: Sequence[Candidates],
+    table: Sequence[Array],
     config: ReferenceConfig,
 ) -> dict[str, list[int]]:
     """Tiny groups join the large group whose type explains them nearly as well: one odd guess is not another resting place."""
@@ -202,12 +222,12 @@ def _absorbed(
         if type_ in large:
             continue
         for i in members:
-            own = max(table[i].values())
+            own = float(table[i].max())
             fits = {}
             for t in large:
-                ref = _best_of_type(rests[i][0], table[i], t)
-                if ref is not None and own - table[i][ref] <= config.nearly:
-                    fits[t] = table[i][ref]
+                row = found[i].of_type(t, table[i])
+                if row is not None and own - table[i][row] <= config.nearly:
+                    fits[t] = float(table[i][row])
             target = max(sorted(fits), key=lambda t: fits[t]) if fits else type_
             result.setdefault(target, []).append(i)
     return {t: sorted(m) for t, m in sorted(result.items())}

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from symskill_pddl.abstraction import Classifier, GripperRule, abstract_recording
 from symskill_pddl.demos import Demo
-from symskill_pddl.learning.predicates import Label, Relations
+from symskill_pddl.learning.relations import Label, Relations
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, State
 
 FINGERS_LATE_S = 2.0

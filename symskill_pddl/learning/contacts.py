@@ -1,0 +1,133 @@
+"""How the gripper acts on things: gripper-in-object predicates, and the label of every episode (METHOD section 4)."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symskill_pddl.geometry import Array, Pose, karcher_mean, rotation_distance
+from symskill_pddl.learning.relations import Contact, Label, PredicateConfig
+from symskill_pddl.learning.segments import Episode, Rest
+from symskill_pddl.learning.shapes import clusters, fit_shape, narrowed
+
+
+def labelled(
+    episodes: Sequence[Episode],
+    of_rest: Mapping[int, tuple[int | None, str]],
+    jointed: Mapping[str, bool],
+    odd: Mapping[str, bool],
+    notes: list[str],
+    config: PredicateConfig,
+) -> tuple[tuple[Label, ...], tuple[Contact, ...]]:
+    """Episodes that lead somewhere, with their contacts clustered per type (for joints: per start, end and finger command)."""
+
+    def at(r: Rest | None) -> tuple[int | None, str | None]:
+        return of_rest.get(id(r), (None, None)) if r is not None else (None, None)
+
+    groups: dict[tuple[object, ...], list[tuple[Episode, int | None, str | None, int | None, str | None]]] = defaultdict(list)
+    undone: Episode | None = None  # the episode before, if it led nowhere: the approach to the next one begins where it stopped
+    for found in episodes:
+        e = found
+        if undone is not None and undone.demo is e.demo:
+            e = replace(e, begin=min(e.begin, max(undone.stop, undone.begin)))
+        undone = None
+        (start, start_ref), (end, end_ref) = at(e.before), at(e.after)
+        if end is None and end_ref is not None:
+            notes.append(f"{e}: ends where nothing else rests; left out")
+        elif start is not None and (start, start_ref) == (end, end_ref):
+            undone = e
+            notes.append(f"{e}: leads back to where it began (a retry or a nudge); left out")
+        else:
+            way = (start if start is not None else -1, end if end is not None else -1) if jointed[e.type] else ()
+            groups[(e.type, _closed(e), *way)].append((e, start, start_ref, end, end_ref))
+    contacts: list[Contact] = []
+    kept: list[Label] = []
+    for key in sorted(groups, key=str):
+        members = groups[key]
+        labels = clusters(_contact_distances([m[0] for m in members], config), config.contact_gap_m, config.ratio, 0.01)
+        for k in range(labels.max() + 1):
+            own = [m for m, label in zip(members, labels, strict=True) if label == k]
+            if len(own) == 1 and odd[own[0][0].demo.where] and len(members) > 1:
+                notes.append(f"{own[0][0]}: the gripper acts on it as in no other demonstration; left out")
+                continue
+            kept += [Label(e, len(contacts), start, start_ref, end, end_ref) for e, start, start_ref, end, end_ref in own]
+            contacts.append(_contact_of([m[0] for m in own], jointed, config))
+    contacts = [_apart(k, contacts, kept) for k in range(len(contacts))]
+    order = {e.demo.where: i for i, e in reversed(list(enumerate(episodes)))}
+    return tuple(sorted(kept, key=lambda label: (order[label.episode.demo.where], label.episode.start))), tuple(contacts)
+
+
+def _closed(e: Episode) -> bool:
+    """The finger command while the object moves (majority)."""
+    return bool(np.mean(e.demo.gripper_closed[e.start : e.stop]) > 0.5)
+
+
+def _acting(e: Episode, config: PredicateConfig, samples: int = 25) -> Pose:
+    """`T_obj_ee` over the trimmed motion, evenly thinned."""
+    cut = int(config.trim * (e.stop - e.start))
+    span = np.unique(np.linspace(e.start + cut, max(e.stop - 1 - cut, e.start + cut), samples).astype(int))
+    return e.demo.pose(e.obj)[span].inverse() @ e.demo.T_world_ee[span]
+
+
+def _contact_distances(episodes: Sequence[Episode], config: PredicateConfig) -> Array:
+    acting = [_acting(e, config) for e in episodes]
+    means = Pose.stack([Pose(T.p.mean(axis=0), karcher_mean(T.q)) for T in acting])
+    dp = np.linalg.norm(means.p[:, None] - means.p[None], axis=-1)
+    dr = rotation_distance(means[:, None], means[None, :])
+    return np.asarray(np.hypot(dp, config.contact_m_rad * dr))
+
+
+def _contact_of(episodes: Sequence[Episode], jointed: Mapping[str, bool], config: PredicateConfig) -> Contact:
+    acting = [_acting(e, config) for e in episodes]
+    poses = Pose(np.concatenate([T.p for T in acting]), np.concatenate([T.q for T in acting]))
+    closes = bool(np.mean([_closed(e) for e in episodes]) > 0.5)
+    # held: the hand is around the object when the fingers close, that is it does not come any nearer afterwards
+    held = closes and bool(np.mean([_closes_on(e) for e in episodes]) > 0.5)
+    return Contact(
+        type=episodes[0].type,
+        shape=fit_shape(poses, len(episodes), config.contact_shape),
+        closes=closes,
+        held=held,
+        articulated=jointed[episodes[0].type],
+        demos=frozenset(e.demo.where for e in episodes),
+    )
+
+
+def _apart(index: int, contacts: Sequence[Contact], labels: Sequence[Label]) -> Contact:
+    """A contact, narrowed as far as its own observations allow, so that what is no such contact lies outside.
+
+    That is the middle of every other way to act on the same type, and where the hand was when it set out for this one.
+    """
+    contact = contacts[index]
+    shape = contact.shape
+    for rival in contacts:
+        if rival is not contact and rival.type == contact.type:
+            shape = narrowed(shape, rival.shape.T_mean)
+    for label in labels:
+        if label.contact == index:
+            e = label.episode
+            shape = narrowed(shape, e.demo.pose(e.obj)[e.begin].inverse() @ e.demo.T_world_ee[e.begin])
+    return replace(contact, shape=shape)
+
+
+def _closes_on(e: Episode) -> bool:
+    closing = closing_sample(e)
+    if closing is None:
+        return False
+    pair = [closing, max(closing, e.start)]
+    T_obj_ee = e.demo.pose(e.obj)[pair].inverse() @ e.demo.T_world_ee[pair]
+    return bool(np.linalg.norm(T_obj_ee.p[1] - T_obj_ee.p[0]) < 0.01)
+
+
+def closing_sample(e: Episode) -> int | None:
+    """The last sample at which the fingers are told to close before the motion, or as it begins; None if they are not.
+
+    Fingers that close on an object push it a little, so the command may come a moment after the object's first movement.
+    """
+    soon = int(np.searchsorted(e.demo.times, e.demo.times[e.start] + 0.5))
+    command = e.demo.gripper_closed[e.begin : min(soon, e.stop - 1) + 1].astype(np.int8)
+    switches = np.flatnonzero(np.diff(command) > 0)
+    return e.begin + int(switches[-1]) + 1 if len(switches) and command[-1] else None

@@ -1,0 +1,117 @@
+"""From demonstrations to symbols: every stage of learning but the skills, which take the time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from symskill_pddl.abstraction import Classifier, GripperRule
+from symskill_pddl.demos import Demo, merged_extents
+from symskill_pddl.errors import LearningError
+from symskill_pddl.learning.endings import EndingConfig, complete
+from symskill_pddl.learning.goals import learn_goals
+from symskill_pddl.learning.naming import contact_names, place_names
+from symskill_pddl.learning.operators import OperatorConfig, OperatorGroup, learn_operators
+from symskill_pddl.learning.predicates import learn_relations
+from symskill_pddl.learning.relations import PredicateConfig, Relations
+from symskill_pddl.learning.segments import Episode, SegmentConfig, segment_all
+from symskill_pddl.learning.transitions import Truth, gripper_rule, transitions, truth_of
+from symskill_pddl.library import Goal
+from symskill_pddl.scene import GRIPPER
+from symskill_pddl.symbols import Predicate
+
+
+@dataclass(frozen=True)
+class SymbolConfig:
+    """The settings of the stages that make symbols."""
+
+    segments: SegmentConfig = field(default_factory=SegmentConfig)
+    endings: EndingConfig = field(default_factory=EndingConfig)
+    predicates: PredicateConfig = field(default_factory=PredicateConfig)
+    operators: OperatorConfig = field(default_factory=OperatorConfig)
+
+
+@dataclass(frozen=True, eq=False)
+class Symbolic:
+    """What the symbolic stages find, in the order of the demonstrations given.
+
+    Attributes
+    ----------
+    places, contacts : tuple of str
+        Names of `relations.places` and `relations.contacts`.
+    truths : dict of str to Truth
+        By demonstration, the truth of every atom that ever holds, as the learned predicates see it.
+    notes : tuple of str
+        What was left out, and why.
+    """
+
+    demos: tuple[Demo, ...]
+    extents: Mapping[str, tuple[float, float, float]]
+    episodes: tuple[Episode, ...]
+    relations: Relations
+    places: tuple[str, ...]
+    contacts: tuple[str, ...]
+    classifiers: tuple[Classifier, ...]
+    gripper: GripperRule
+    truths: Mapping[str, Truth]
+    groups: tuple[OperatorGroup, ...]
+    goals: tuple[Goal, ...]
+    notes: tuple[str, ...]
+
+
+Selector = Callable[[Sequence[Episode]], Mapping[int, str]]
+"""Another way to choose references: for episodes, by ``id(rest)``, the object that each rest is at; rests may be left out."""
+
+
+def learn_symbols(
+    demos: Sequence[Demo],
+    config: SymbolConfig | None = None,
+    *,
+    selector: Selector | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Symbolic:
+    """Segments, predicates, operators and goals; no skills.
+
+    Raises
+    ------
+    LearningError
+        If nothing moves, or no operator comes out.
+    """
+    config, demos = config or SymbolConfig(), tuple(demos)
+    extents = merged_extents(demos)
+    progress("segments")
+    episodes = complete(segment_all(demos, config.segments), config.endings, config.segments)
+    if selector is not None:
+        progress("references")
+    answers = None if selector is None else selector(episodes)
+    progress("predicates")
+    relations = learn_relations(demos, episodes, extents, config.predicates, answers)
+    places = place_names(relations, extents)
+    contacts = contact_names(relations, places)
+    classifiers = named(relations, places, contacts)
+    progress("operators")
+    gripper = gripper_rule(demos)
+    truths = {demo.where: truth_of(demo, classifiers, gripper) for demo in demos}
+    found, odd_transitions = transitions(relations, truths, places, contacts)
+    groups, odd_operators = learn_operators(found, demos, relations, classifiers, places, contacts, extents, config.operators)
+    notes = (*relations.notes, *odd_transitions, *odd_operators)
+    if not groups:
+        raise LearningError(
+            f"no operator comes out of {len(demos)} demonstrations with {len(episodes)} motions; first reason: {notes[0]}"
+        )
+    goals = learn_goals(demos, episodes, truths, places)
+    return Symbolic(demos, extents, episodes, relations, places, contacts, classifiers, gripper, truths, groups, goals, notes)
+
+
+def named(relations: Relations, places: Sequence[str], contacts: Sequence[str]) -> tuple[Classifier, ...]:
+    """The classifiers under their names: contacts first, then places, each in alphabetical order."""
+    of_contacts = [
+        c.shape.classifier(Predicate(name, (c.type,)), GRIPPER, c.type)
+        for c, name in zip(relations.contacts, contacts, strict=True)
+    ]
+    of_places = [p.shape.classifier(Predicate(name, p.types), *p.types) for p, name in zip(relations.places, places, strict=True)]
+    return tuple(sorted(of_contacts, key=_name) + sorted(of_places, key=_name))
+
+
+def _name(classifier: Classifier) -> str:
+    return classifier.predicate.name
