@@ -27,7 +27,7 @@ from symskill_pddl.execution.journal import Journal
 from symskill_pddl.execution.recovery import nearest_symbols
 from symskill_pddl.execution.trace import PlanLine, rows
 from symskill_pddl.library import Library
-from symskill_pddl.planning import Limits, Planner, PlanResult, Status, explain, nearest_goal
+from symskill_pddl.planning import Limits, Planner, PlanResult, Session, Status, explain, nearest_goal, session
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, GroundOperator, Problem, State
 
 _MOST_ASSUMPTIONS = 12
@@ -60,6 +60,8 @@ class Deliberation:
         self._library, self._config, self._body, self._belief, self._journal = library, config, body, belief, journal
         self._known = frozenset(p.name for p in domain.predicates)
         self._last: tuple[Problem, PlanResult] | None = None
+        self._session: Session | None = None
+        """The planner with domain and objects loaded; opened by the first plan, whose time it takes."""
 
     def reached(self) -> bool:
         """Whether the goal holds now, out of the hand."""
@@ -72,7 +74,9 @@ class Deliberation:
         problem = Problem("now", self._domain.name, tuple(self._objects.items()), state, self._goal)
         costs = self._belief.failures.extra_costs(self._config.failure_cost)
         begin = perf_counter()
-        result = self._planner.solve(self._domain, problem, Limits(time_s=self._config.plan_time_s), costs)
+        if self._session is None:
+            self._session = session(self._planner, self._domain, problem.objects)
+        result = self._session.solve(state, self._goal, Limits(time_s=self._config.plan_time_s), costs)
         seconds = perf_counter() - begin
         self._journal.plan_seconds.append(seconds)
         plan, messages = result.plan, result.messages

@@ -8,6 +8,7 @@ from symskill_pddl.errors import InputError, MissingDependencyError, alternative
 from symskill_pddl.planning.auto import Auto
 from symskill_pddl.planning.command import Command
 from symskill_pddl.planning.downward import FastDownward
+from symskill_pddl.planning.engine import Engine
 from symskill_pddl.planning.explain import explain, nearest_goal, why_not
 from symskill_pddl.planning.kairos import Kairos
 from symskill_pddl.planning.lpg import LPG
@@ -24,6 +25,7 @@ __all__ = [
     "Auto",
     "Builtin",
     "Command",
+    "Engine",
     "FastDownward",
     "Kairos",
     "Limits",

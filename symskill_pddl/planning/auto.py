@@ -1,9 +1,9 @@
 """`auto`: for each problem the planner that suits it best among those installed; the result says which it was, and why.
 
 What costs a robot time is the plan, not the planning: one step takes it seconds. So `builtin` plans wherever it can plan well,
-which is where the problem is small, and wherever single ground steps have costs of their own, which no other engine knows. Larger
-problems go to `mimir`, whose plans are short, where all operators cost the same, for as long as its patience lasts, and then to
-`kairos`, which solves the largest. An engine that breaks is followed by the next, and in the end by `builtin`.
+which is where the problem is small. Larger problems go to `mimir`, whose plans are short, where all operators cost the same, for
+as long as its patience lasts, and then to `kairos`, which solves the largest. An engine that breaks is followed by the next, and
+in the end by `builtin`.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ class AutoSession:
     ) -> PlanResult:
         """Plan with the engine that suits; a message says which and why."""
         start = time.monotonic()
-        engines, why = self._choose(extra_costs)
+        engines, why = self._choose()
         for engine in (e for e in engines if e.name == "builtin" or (e.name, goal) not in self._failed):
             left = max(1e-3, limits.time_s - (time.monotonic() - start))
             found = self._with(engine).solve(init, goal, replace(limits, time_s=left), extra_costs)
@@ -98,10 +98,8 @@ class AutoSession:
         messages = (*found.messages, f"auto took {found.planner}: {why}")
         return PlanResult(found.status, found.plan, time.monotonic() - start, messages, found.planner)
 
-    def _choose(self, extra_costs: Mapping[Step, float]) -> tuple[tuple[Planner, ...], str]:
+    def _choose(self) -> tuple[tuple[Planner, ...], str]:
         """Engines to ask in turn, `builtin` last; and why."""
-        if any(extra_costs.values()):
-            return (Builtin(),), "single ground steps have extra costs, which it alone knows"
         number = bindings(self.domain, self.objects)
         if number <= SMALL:
             return (Builtin(),), f"the problem is small, {number} ground operators by type"

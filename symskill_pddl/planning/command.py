@@ -10,7 +10,6 @@ from __future__ import annotations
 import re
 import shlex
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,15 +18,16 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.pddl.plan import read_plan, step_lines
+from symskill_pddl.planning.engine import Engine
 from symskill_pddl.planning.process import run
-from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Status, Step
+from symskill_pddl.planning.protocol import Limits, PlanResult, Status
 from symskill_pddl.symbols import Domain, Plan, Problem, validate
 
 _UNSOLVABLE = re.compile(r"\bunsolvable\b|no plan exists|provably no solution", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
-class Command:
+class Command(Engine):
     """A program with `{domain}` and `{problem}` in its arguments, and `{plan}` if it writes the plan to a file."""
 
     template: str
@@ -53,25 +53,12 @@ class Command:
     def dialects(self) -> tuple[str, ...]:
         return (self.dialect,)
 
-    def solve(
-        self,
-        domain: Domain,
-        problem: Problem,
-        limits: Limits = Limits(),
-        extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS,
-    ) -> PlanResult:
-        """Plan; extra costs of ground steps are ignored, which a message says.
-
-        Raises
-        ------
-        InputError
-            The problem does not fit the domain, the domain does not fit the dialect, or the program does not exist.
-        """
+    def plan(self, domain: Domain, problem: Problem, limits: Limits) -> PlanResult:
+        """Plan; raises `InputError` also where the domain does not fit the dialect, or the program does not exist."""
         begin = time.monotonic()
-        ignored = ("a command ignores the extra costs of ground steps",) if any(extra_costs.values()) else ()
 
         def result(status: Status, plan: Plan | None = None, *messages: str) -> PlanResult:
-            return PlanResult(status, plan, time.monotonic() - begin, (*messages, *ignored), self.name)
+            return PlanResult(status, plan, time.monotonic() - begin, messages, self.name)
 
         names = Names.of(domain, problem.object_types)
         exported_domain, exported_problem = names.domain(domain), names.problem(problem)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
@@ -22,8 +22,9 @@ from symskill_pddl.pddl.dialect import exported
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.pddl.plan import read_plan
+from symskill_pddl.planning.engine import Engine
 from symskill_pddl.planning.grounding import OutOfTimeError, TooLargeError, ground_task
-from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Status, Step
+from symskill_pddl.planning.protocol import Limits, PlanResult, Status
 from symskill_pddl.symbols import Domain, Plan, Problem, check_domain, check_problem, validate
 
 SEARCHES = ("astar", "gbf", "wastar")
@@ -31,7 +32,7 @@ HEURISTICS = ("blind", "hadd", "hff", "hmax", "lmcut")
 
 
 @dataclass(frozen=True)
-class Pyperplan:
+class Pyperplan(Engine):
     """A* with h_add by default: deterministic, fast, mostly shortest plans.
 
     ``hmax`` and ``lmcut`` are admissible, so A* with them is optimal in steps. ``hff`` breaks ties by Python's set order.
@@ -56,25 +57,11 @@ class Pyperplan:
     def version(self) -> str:
         return version("pyperplan")
 
-    def solve(
-        self,
-        domain: Domain,
-        problem: Problem,
-        limits: Limits = Limits(),
-        extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS,
-    ) -> PlanResult:
-        """Plan; costs are ignored, which a message says where it matters.
-
-        Raises
-        ------
-        InputError
-            The problem does not fit the domain.
-        MissingDependencyError
-            pyperplan is not installed.
-        """
+    def plan(self, domain: Domain, problem: Problem, limits: Limits) -> PlanResult:
+        """Plan; that costs are ignored a message says where it matters."""
         start = time.monotonic()
         messages: list[str] = []
-        if any(extra_costs.values()) or len({op.cost for op in domain.operators}) > 1:
+        if len({op.cost for op in domain.operators}) > 1:
             messages.append("pyperplan counts steps and ignores costs; the planner 'builtin' knows them")
 
         def result(status: Status, plan: Plan | None = None, *more: str) -> PlanResult:

@@ -1,6 +1,6 @@
 """What every engine that reads PDDL needs: the texts, the names both ways, and an answer that is believed only after a check.
 
-An engine loads a domain once (`Reader.session`) and is then given problem by problem. What it says is one of the statuses of the
+An engine loads a domain once (`Reader.open`) and is then given problem by problem. What it says is one of the statuses of the
 protocol; its plan is read strictly, brought back to our names and run by the semantics of `symbols` before anyone sees it.
 """
 
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from importlib import import_module
@@ -20,11 +20,9 @@ from symskill_pddl.errors import InputError, MissingDependencyError, alternative
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.pddl.plan import read_plan
-from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Status, Step
+from symskill_pddl.planning.engine import Engine, Objects
+from symskill_pddl.planning.protocol import Limits, PlanResult, Status
 from symskill_pddl.symbols import Atom, Domain, GroundOperator, Plan, Problem, State, check_atom, check_problem, validate
-
-Objects = tuple[tuple[str, str], ...]
-"""(object, type) pairs."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +83,7 @@ Ask = Callable[[Problem, Limits], Answer]
 
 
 class TextSession:
-    """An engine with a domain loaded; see `protocol.Session`."""
+    """An engine with a domain loaded; see `engine.Ask`."""
 
     def __init__(self, planner: str, text: Text, ask: Ask, *, shorten: bool, messages: tuple[str, ...] = ()) -> None:
         self._planner, self._text, self._ask = planner, text, ask
@@ -94,17 +92,12 @@ class TextSession:
         self._checked: set[Atom] = set()
         check_problem(text.original, self._problem(frozenset(), frozenset()))
 
-    def solve(
-        self, init: State, goal: State, limits: Limits = Limits(), extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS
-    ) -> PlanResult:
-        """Plan from `init` to `goal`; extra costs of ground steps are ignored, which a message says."""
+    def __call__(self, init: State, goal: State, limits: Limits) -> PlanResult:
+        """Plan from `init` to `goal`."""
         start = time.monotonic()
-        notes = self._messages
-        if any(extra_costs.values()):
-            notes = (*notes, f"{self._planner} ignores the extra costs of ground steps; the planner 'builtin' knows them")
 
         def result(status: Status, plan: Plan | None = None, *messages: str) -> PlanResult:
-            return PlanResult(status, plan, time.monotonic() - start, (*messages, *notes), self._planner)
+            return PlanResult(status, plan, time.monotonic() - start, (*messages, *self._messages), self._planner)
 
         for where, atoms in (("init", init), ("goal", goal)):
             for atom in sorted(atoms - self._checked):
@@ -167,7 +160,7 @@ def without_detours(steps: tuple[GroundOperator, ...], init: State, goal: State,
 
 
 @dataclass(frozen=True)
-class Reader:
+class Reader(Engine):
     """Base of the engines that read PDDL text.
 
     `dialect` is the dialect to give; empty takes `costs` where operators differ in cost, and `negative` where they do not.
@@ -202,28 +195,10 @@ class Reader:
         except PackageNotFoundError:
             return "not installed"
 
-    def solve(
-        self,
-        domain: Domain,
-        problem: Problem,
-        limits: Limits = Limits(),
-        extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS,
-    ) -> PlanResult:
-        """Plan; extra costs of ground steps are ignored, which a message says.
+    def plan(self, domain: Domain, problem: Problem, limits: Limits) -> PlanResult:
+        return self.open(domain, problem.objects)(problem.init, problem.goal, limits)
 
-        Raises
-        ------
-        InputError
-            The problem does not fit the domain, or the dialect cannot say it.
-        MissingDependencyError
-            The engine is not installed.
-        """
-        start = time.monotonic()
-        found = self.session(domain, problem.objects).solve(problem.init, problem.goal, limits, extra_costs)
-        return PlanResult(found.status, found.plan, time.monotonic() - start, found.messages, found.planner)
-
-    def session(self, domain: Domain, objects: Objects) -> TextSession:
-        """The engine with the domain loaded; raises as `solve` does."""
+    def open(self, domain: Domain, objects: Objects) -> TextSession:
         differ = len({op.cost for op in domain.operators}) > 1
         dialect = self.dialect or ("costs" if differ and "costs" in self.dialects else "negative")
         text = text_of(domain, objects, dialect)

@@ -8,7 +8,6 @@ from __future__ import annotations
 import io
 import time
 import warnings
-from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
@@ -18,7 +17,8 @@ from symskill_pddl.errors import InputError, MissingDependencyError, alternative
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.pddl.plan import read_plan
-from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Status, Step
+from symskill_pddl.planning.engine import Engine
+from symskill_pddl.planning.protocol import Limits, PlanResult, Status
 from symskill_pddl.symbols import Domain, Plan, Problem, check_problem, validate
 
 _UNSOLVABLE = ("UNSOLVABLE_PROVEN",)
@@ -75,7 +75,7 @@ def to_unified_planning(domain: Domain, problem: Problem | None = None, *, diale
 
 
 @dataclass(frozen=True)
-class UnifiedPlanning:
+class UnifiedPlanning(Engine):
     """One engine. Of `dialects` it gets the first that it says it supports, so what it cannot read is compiled down for it."""
 
     engine: str
@@ -100,19 +100,11 @@ class UnifiedPlanning:
         except PackageNotFoundError:
             return "unknown"
 
-    def solve(
-        self,
-        domain: Domain,
-        problem: Problem,
-        limits: Limits = Limits(),
-        extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS,
-    ) -> PlanResult:
-        """Plan; extra costs of ground steps are ignored, which a message says."""
+    def plan(self, domain: Domain, problem: Problem, limits: Limits) -> PlanResult:
         start = time.monotonic()
-        ignored = ("unified-planning ignores the extra costs of ground steps",) if any(extra_costs.values()) else ()
 
         def result(status: Status, plan: Plan | None = None, *more: str) -> PlanResult:
-            return PlanResult(status, plan, time.monotonic() - start, (*more, *ignored), self.name)
+            return PlanResult(status, plan, time.monotonic() - start, more, self.name)
 
         check_problem(domain, problem)
         if problem.goal <= problem.init:

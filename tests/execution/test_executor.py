@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from fake_world import CABINET, COUNTER, DOWN, HOME, OBJECTS, FakeWorld, at, atoms, handle, make_library, phase
 
-from symskill_pddl.errors import InputError
+from symskill_pddl.errors import InputError, MissingDependencyError
 from symskill_pddl.execution.config import ExecutionConfig, MotionConfig
 from symskill_pddl.execution.executor import execute
 from symskill_pddl.execution.outcome import Category
 from symskill_pddl.execution.replay import replay
 from symskill_pddl.execution.trace import TraceWriter, read_trace
 from symskill_pddl.geometry import Pose
-from symskill_pddl.planning import Builtin
+from symskill_pddl.planning import Builtin, get
 from symskill_pddl.scene import Command
 from symskill_pddl.skills import Skill
 
@@ -274,15 +274,46 @@ class TestFailures:
         costs = []
 
         class Spy(Builtin):
-            def solve(self, domain, problem, limits, extra_costs):
-                costs.append(dict(extra_costs))
-                return super().solve(domain, problem, limits, extra_costs)
+            def session(self, domain, objects):
+                opened.append(objects)
+                inner = super().session(domain, objects)
 
+                class Session:
+                    def solve(self, init, goal, limits, extra_costs):
+                        costs.append(dict(extra_costs))
+                        return inner.solve(init, goal, limits, extra_costs)
+
+                return Session()
+
+        opened = []
         world = FakeWorld(angle=1.5)
         world.slippery = 1
         execute(world, LIBRARY, LIBRARY.domain(), IN_CABINET, Spy(), objects=OBJECTS, rng=np.random.default_rng(0))
         assert costs[0] == {}
         assert costs[-1] == {("pick-from-counter", ("cheese", "counter")): 10.0}
+        assert len(opened) == 1  # one session for the whole run
+
+    @pytest.mark.parametrize("name", ["pyperplan", "kairos", "mimir"])
+    def test_an_engine_without_costs_of_steps_tries_again_where_there_is_no_other_way(self, name):
+        try:
+            planner = get(name)
+        except MissingDependencyError as error:
+            pytest.skip(str(error))
+        world, lines = FakeWorld(angle=1.5), []
+        world.slippery = 1
+        outcome = execute(
+            world,
+            LIBRARY,
+            LIBRARY.domain(),
+            IN_CABINET,
+            planner,
+            objects=OBJECTS,
+            rng=np.random.default_rng(0),
+            on_event=lines.append,
+        )
+        assert outcome.success
+        again = [line for line in lines if line.event == "plan"][-1]
+        assert any("so none was left out: (pick-from-counter cheese counter)" in m for m in again.messages)
 
 
 class TestAssumptions:

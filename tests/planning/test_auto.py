@@ -43,9 +43,7 @@ def test_large_problems_go_to_a_fast_engine(monkeypatch):
     monkeypatch.setattr(auto, "fast", lambda _domain, _objects: (Solves(), Breaks()))
     assert taken(Auto().solve(kitchen(), covered_egg()))[0] == "solves"
     extra = {("pick-lid", ("lid-a", "pan-a")): 1.0}
-    planner, why = taken(Auto().solve(kitchen(), covered_egg(), Limits(), extra))
-    assert planner == "builtin"
-    assert "single ground steps" in why
+    assert taken(Auto().solve(kitchen(), covered_egg(), Limits(), extra))[0] == "solves"
 
 
 def test_an_engine_that_breaks_is_followed_by_builtin(monkeypatch):

@@ -182,11 +182,6 @@ def test_mimir_gives_up_after_so_many_states():
     assert "out_of_states" in result.messages[0]
 
 
-def test_extra_costs_are_ignored_aloud(engine):
-    result = engine.solve(kitchen(), covered_egg(), Limits(), {("pick-lid", ("lid-a", "pan-a")): 1.0})
-    assert any("ignores the extra costs" in m for m in result.messages)
-
-
 def running(mark):
     """Processes that inherited the mark and have not ended, this one apart."""
     found = []
@@ -220,7 +215,7 @@ def test_no_process_is_left_after_twenty_time_outs(engine, monkeypatch, tmp_path
 def answering(answer):
     egg = covered_egg()
     text = Text(kitchen(), egg.objects, "negative")
-    return TextSession("liar", text, lambda _problem, _limits: answer, shorten=False).solve(egg.init, egg.goal)
+    return TextSession("liar", text, lambda _problem, _limits: answer, shorten=False)(egg.init, egg.goal, Limits())
 
 
 @pytest.mark.parametrize(
