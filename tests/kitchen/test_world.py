@@ -7,7 +7,7 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose, quat_conjugate, quat_log, quat_multiply, rotation_distance
 from symskill_pddl.kitchen import TASKS, arm, layout, make
 from symskill_pddl.kitchen.layout import hand_pose
-from symskill_pddl.scene import Command
+from symskill_pddl.scene import Command, Timed
 
 from .servo import servo
 
@@ -144,3 +144,12 @@ def test_steps_are_fast(record_property):
     record_property("control_steps_per_second", round(rate))
     # far below what is measured: only a gross mistake fails here
     assert rate > 20
+
+
+def test_it_says_what_a_step_spent_on_looking_and_controlling():
+    kitchen = make("OpenSingleDoor", 0)
+    begin = time.perf_counter()
+    kitchen.step(Command.hold(False))
+    assert isinstance(kitchen, Timed)
+    assert set(kitchen.ms) == {"observe", "controller"}
+    assert all(0 < ms < 1e3 * (time.perf_counter() - begin) for ms in kitchen.ms.values())
