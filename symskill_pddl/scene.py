@@ -110,3 +110,12 @@ class Timed(Protocol):
     @property
     def ms(self) -> Mapping[str, float]:
         """Duration of `observe` and of `controller` [ms], as far as they are known."""
+
+
+@runtime_checkable
+class Live(Protocol):
+    """A world that does not wait: its clock goes on between two steps, as a robot's does."""
+
+    @property
+    def live(self) -> bool:
+        """True: while a planner thinks, the world is told to stay where it is, once in every period."""

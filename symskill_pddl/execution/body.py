@@ -17,7 +17,7 @@ from symskill_pddl.execution.recovery import backed_off, near, servo, way_back
 from symskill_pddl.execution.runner import Fingers
 from symskill_pddl.geometry import Array, Pose, rotation_distance
 from symskill_pddl.library import Library
-from symskill_pddl.scene import Command, Scene, Timed, World
+from symskill_pddl.scene import Command, Live, Scene, Timed, World
 from symskill_pddl.skills import scalar
 from symskill_pddl.symbols import State
 
@@ -50,6 +50,10 @@ class Body:
         self.grasp_entry = 0
         """Entry of `path` up to which the fingers were last open: where the present grasp was made."""
         self.closing = self.scene.gripper_closed
+        self._moving = False
+        self.live = isinstance(world, Live) and world.live
+        """Whether the world goes on while nobody steps it."""
+        self.period_s = world.period_s
         self._timed = world if isinstance(world, Timed) else None
         self.ms: dict[str, float] = {}
 
@@ -77,7 +81,7 @@ class Body:
         own = dict(self._timed.ms) if self._timed is not None else {}
         world = 1e3 * (seen - begin) - sum(own.values())
         self.ms = {"world": world, **own, "abstract": 1e3 * (perf_counter() - seen)}
-        self.closing = command.close_gripper
+        self.closing, self._moving = command.close_gripper, bool(command.twist.any())
         moved, turned = scalar.apart(self.scene.T_world_ee, self.path[-1])
         if moved > _PATH_SPACING_M or turned > _PATH_SPACING_RAD:
             self.path.append(self.scene.T_world_ee)
@@ -108,11 +112,20 @@ class Body:
         speed = np.sqrt((v * v).sum(-1, keepdims=True))
         return np.where((speed > _MOVING_M_S) & (speed < _JUMPS_M_S), v, 0.0)
 
+    def wait(self) -> None:
+        """Stay where one is for one period, fingers as they are."""
+        self.step(Command.hold(self.closing))
+
+    def stop(self) -> None:
+        """Take back a twist that was commanded last: nothing moves on while nobody looks."""
+        if self._moving:
+            self.wait()
+
     def hold(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
         """Stay where one is, fingers as they are, at most this long; whether `until` came true."""
         stop = self.now + seconds
         while self.now < stop - 1e-9:
-            self.step(Command.hold(self.closing))
+            self.wait()
             if until():
                 return True
         return False

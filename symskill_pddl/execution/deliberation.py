@@ -1,6 +1,7 @@
 """`Deliberation`: plans from the present state, and what to do when there is none.
 
-Without a plan the recoveries are, in this order, each followed by another look:
+A planner that runs out of time, breaks, hangs or answers nonsense ends the run: the robot stands still, and the reason says what
+the planner did. Where there is no plan the recoveries are, in this order, each followed by another look:
 
 1. `recover-open`: fingers closed on nothing are opened, and the hand backs off along its own axis;
 2. `recover-observe`: stand still and watch; perhaps somebody is still pushing the door;
@@ -20,11 +21,12 @@ from time import perf_counter
 
 import numpy as np
 
+from symskill_pddl.execution.asking import BrokenPlannerError, ask
 from symskill_pddl.execution.belief import Belief
 from symskill_pddl.execution.body import Body
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.journal import Journal
-from symskill_pddl.execution.recovery import nearest_symbols
+from symskill_pddl.execution.recovery import StepKey, nearest_symbols
 from symskill_pddl.execution.trace import PlanLine, rows
 from symskill_pddl.library import Library
 from symskill_pddl.planning import Limits, Planner, PlanResult, Session, Status, explain, nearest_goal, session
@@ -62,6 +64,8 @@ class Deliberation:
         self._last: tuple[Problem, PlanResult] | None = None
         self._session: Session | None = None
         """The planner with domain and objects loaded; opened by the first plan, whose time it takes."""
+        self.stopped = ""
+        """Why the planner is not to be asked again: it ran out of time, broke, hung, or answered nonsense."""
 
     def reached(self) -> bool:
         """Whether the goal holds now, out of the hand."""
@@ -69,14 +73,13 @@ class Deliberation:
 
     def plan(self, reason: str, assumed: State = frozenset()) -> Planned | None:
         """A plan from the current state and the assumptions, or None. Owed deletes count as done: the next motion does them."""
+        self._body.stop()
         now = self._body.state
         state = frozenset(a for a in (now - self._belief.pending(now)) | assumed if a.predicate in self._known)
         problem = Problem("now", self._domain.name, tuple(self._objects.items()), state, self._goal)
         costs = self._belief.failures.extra_costs(self._config.failure_cost)
         begin = perf_counter()
-        if self._session is None:
-            self._session = session(self._planner, self._domain, problem.objects)
-        result = self._session.solve(state, self._goal, Limits(time_s=self._config.plan_time_s), costs)
+        result = self._ask(problem, costs)
         seconds = perf_counter() - begin
         self._journal.plan_seconds.append(seconds)
         plan, messages = result.plan, result.messages
@@ -96,10 +99,28 @@ class Deliberation:
             )
         )
         if plan is None:
-            if not assumed:
+            if not assumed or self.stopped:
                 self._last = problem, result
             return None
         return Planned(steps, assumed)
+
+    def _ask(self, problem: Problem, costs: Mapping[StepKey, float]) -> PlanResult:
+        """The planner's answer; one that comes too late, breaks or makes no sense says so in `stopped`."""
+        limits, wait = Limits(time_s=self._config.plan_time_s), self._body.wait if self._body.live else None
+
+        def solve() -> PlanResult:
+            if self._session is None:
+                self._session = session(self._planner, self._domain, problem.objects)
+            return self._session.solve(problem.init, self._goal, limits, costs)
+
+        try:
+            result = ask(solve, self._domain, problem, limit_s=limits.time_s, wait=wait, period_s=self._body.period_s)
+        except BrokenPlannerError as error:
+            result = PlanResult(Status.FAILED, messages=(str(error),), planner=self._planner.name)
+            self.stopped = str(error)
+        if result.status is Status.TIMEOUT:
+            self.stopped = "; ".join(result.messages) or "the planner ran out of time"
+        return result
 
     @property
     def proved(self) -> bool:
@@ -129,10 +150,10 @@ class Deliberation:
     def recover(self, reason: str) -> Planned | None:
         """The general recoveries, until there is a plan. None: the goal holds by now, or nothing helped."""
         for attempt in (self._try_open, self._try_observe, self._try_assume, self._try_way_back, self._try_assume):
+            if self.stopped or self.reached():
+                return None
             if planned := attempt(reason):
                 return planned
-            if self.reached():
-                return None
         return None
 
     def open_up(self, reason: str) -> None:
@@ -171,7 +192,7 @@ class Deliberation:
             if self._body.state != tried:
                 tried = self._body.state
                 found = self.plan(reason)
-            return found is not None or self.reached() or self._body.now - moved > self._config.quiet_s
+            return found is not None or bool(self.stopped) or self.reached() or self._body.now - moved > self._config.quiet_s
 
         begin = self._body.now
         self._body.hold(self._config.observe_s, look)
@@ -189,6 +210,8 @@ class Deliberation:
         if not ordered:
             return None
         for choice in islice(product(*ordered), _MOST_ASSUMPTIONS):
+            if self.stopped:
+                return None
             atoms = frozenset(a.atom for a in choice)
             if planned := self.plan(reason, atoms):
                 uses.update(atoms)

@@ -100,7 +100,10 @@ def execute(
     # the library's own extents are those its classifiers and skills were learned with
     sizes = {**(extents or {}), **library.extents}
     run = _Run(world, library, domain, goal, planner, config, objects, sizes, rng, journal, on_step)
-    category, reason = run.closed_loop() if monitor else run.open_loop()
+    try:
+        category, reason = run.closed_loop() if monitor else run.open_loop()
+    finally:
+        run.body.stop()
     outcome = Outcome(
         success=category is Category.SUCCESS,
         category=category,
@@ -166,6 +169,8 @@ class _Run:
                 return Category.MISSED, f"the only plan was left: {reason}"
             self.replans, rounds = rounds, rounds + 1
             planned = self.mind.plan(reason) or self.mind.recover(reason)
+            if self.mind.stopped:
+                return self.hopeless()
             if planned is not None and planned.steps:
                 reason = self.follow(planned)
             elif self.goal <= self.body.state:
@@ -315,7 +320,7 @@ class _Run:
 
     def hopeless(self) -> tuple[Category, str]:
         """No plan, and why."""
-        category = Category.UNREACHABLE if self.mind.proved else Category.PLANNER
+        category = Category.UNREACHABLE if self.mind.proved and not self.mind.stopped else Category.PLANNER
         return category, "; ".join((f"no plan reaches {self.missing()}", *self.mind.explain()))
 
     def missing(self) -> str:
