@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
@@ -15,7 +16,7 @@ from symskill_pddl.abstraction import Debounced, abstract
 from symskill_pddl.execution.config import MotionConfig
 from symskill_pddl.execution.recovery import backed_off, near, servo, way_back
 from symskill_pddl.execution.runner import Fingers
-from symskill_pddl.geometry import Array, Pose, rotation_distance
+from symskill_pddl.geometry import Array, Pose, quat_multiply, rotation_distance
 from symskill_pddl.library import Library
 from symskill_pddl.scene import Command, Live, Scene, Timed, World
 from symskill_pddl.skills import scalar
@@ -42,6 +43,7 @@ class Body:
 
     def __init__(self, world: World, library: Library, objects: Mapping[str, str], config: MotionConfig, debounce: int) -> None:
         self._world, self._library, self._objects, self._config = world, library, frozenset(objects), config
+        self._turns: dict[str, Array] = {}
         self.scene = world.observe()
         self.start_s = self.scene.time
         self._sense = Debounced(self._read(self.scene, frozenset()), debounce)
@@ -75,7 +77,7 @@ class Body:
     def step(self, command: Command) -> None:
         """One control period: act, look, abstract. `ms` holds how long the parts took."""
         begin = perf_counter()
-        self.scene = self._world.step(command)
+        self.scene = self._turned(self._world.step(command))
         seen = perf_counter()
         self._sense = self._sense.update(self._read(self.scene, self._sense.state))
         own = dict(self._timed.ms) if self._timed is not None else {}
@@ -90,6 +92,19 @@ class Body:
         self._recent.append(self.scene)
         while self.scene.time - self._recent[0].time > _REST_WINDOW_S:
             self._recent.popleft()
+
+    def take(self, name: str, q: Array) -> None:
+        """From now on see an object turned by `q` (4,) in its own frame: one that lies on another face than was shown."""
+        self._turns[name] = quat_multiply(self._turns[name], q) if name in self._turns else q
+        turn = Pose(np.zeros(3), q)
+        self.scene = _with(self.scene, name, self.scene.pose(name) @ turn)
+        # what is seen differently has not moved
+        self._recent = deque(_with(scene, name, scene.pose(name) @ turn) for scene in self._recent)
+
+    def _turned(self, scene: Scene) -> Scene:
+        for name, q in self._turns.items():
+            scene = _with(scene, name, scene.pose(name) @ Pose(np.zeros(3), q))
+        return scene
 
     def _read(self, scene: Scene, before: State) -> State:
         state = abstract(scene, self._library.classifiers, before=before, gripper=self._library.gripper)
@@ -157,3 +172,10 @@ class Body:
         """Back along the path one came, at most to its entry `since`; whether all of it was reached."""
         # every way point is a few centimetres off; one that is blocked ends the attempt
         return all(self.go(T, 2.0) for T in way_back(self.path[since:], length_m))
+
+
+def _with(scene: Scene, name: str, T_world_object: Pose) -> Scene:
+    p, q = np.array(scene.T_world_objects.p), np.array(scene.T_world_objects.q)
+    row = list(scene.objects).index(name)
+    p[row], q[row] = T_world_object.p, T_world_object.q
+    return replace(scene, T_world_objects=Pose(p, q))

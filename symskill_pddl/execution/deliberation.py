@@ -5,11 +5,12 @@ the planner did. Where there is no plan the recoveries are, in this order, each 
 
 1. `recover-open`: fingers closed on nothing are opened, and the hand backs off along its own axis;
 2. `recover-observe`: stand still and watch; perhaps somebody is still pushing the door;
-3. `recover-assume`: an object at rest in no known relation is taken for the nearest one, as an assumption that the monitor
+3. `recover-face`: a box-like thing that fell over is taken for standing on another of its faces;
+4. `recover-assume`: an object at rest in no known relation is taken for the nearest one, as an assumption that the monitor
 does not share;
-4. `recover-return` / `recover-retreat`: what is held goes back to where it was taken from; an empty hand goes back along its
+5. `recover-return` / `recover-retreat`: what is held goes back to where it was taken from; an empty hand goes back along its
 path;
-5. the assumptions once more, from there.
+6. the assumptions once more, from there.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from symskill_pddl.execution.belief import Belief
 from symskill_pddl.execution.body import Body
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.journal import Journal
-from symskill_pddl.execution.recovery import StepKey, nearest_symbols
+from symskill_pddl.execution.recovery import StepKey, nearest_symbols, other_face
 from symskill_pddl.execution.trace import PlanLine, rows
 from symskill_pddl.library import Library
 from symskill_pddl.planning import Limits, Planner, PlanResult, Session, Status, explain, nearest_goal, session
@@ -149,7 +150,14 @@ class Deliberation:
 
     def recover(self, reason: str) -> Planned | None:
         """The general recoveries, until there is a plan. None: the goal holds by now, or nothing helped."""
-        for attempt in (self._try_open, self._try_observe, self._try_assume, self._try_way_back, self._try_assume):
+        for attempt in (
+            self._try_open,
+            self._try_observe,
+            self._try_other_face,
+            self._try_assume,
+            self._try_way_back,
+            self._try_assume,
+        ):
             if self.stopped or self.reached():
                 return None
             if planned := attempt(reason):
@@ -169,6 +177,15 @@ class Deliberation:
         begin = self._body.now
         arrived = self._body.back_off(self._config.back_off_m)
         self._journal.recovered("recover-clear", reason, _ended(arrived), begin)
+
+    def leave(self, reason: str) -> None:
+        """Somebody else has done it: let things come to rest, and back off from what the hand was about to do."""
+        begin, body = self._body.now, self._body
+        body.hold(
+            self._config.observe_s, lambda: body.now - begin > self._config.grace_s and len(body.resting()) == len(self._objects)
+        )
+        arrived = body.back_off(1.5 * self._config.back_off_m)
+        self._journal.recovered("recover-leave", reason, _ended(arrived), begin)
 
     def retreat(self, reason: str) -> None:
         """Back along the own path."""
@@ -199,6 +216,28 @@ class Deliberation:
         result = "a way on" if found is not None or self.reached() else "no change that helps"
         self._journal.recovered("recover-observe", "no plan from here, watching for a change", result, begin)
         return found
+
+    def _try_other_face(self, reason: str) -> Planned | None:
+        """A thing that fell over is taken for standing as it was shown, where its box looks no different so."""
+        if not self._config.assume:
+            return None
+        body, classifiers = self._body, self._library.classifiers
+        taken = []
+        for name in nearest_symbols(body.scene, body.state, classifiers, body.resting()):
+            half = self._library.extents.get(self._objects[name])
+            found = other_face(body.scene, name, half, classifiers) if half is not None else None
+            if found is not None:
+                body.take(name, found[0])
+                taken.append(f"{name} nearest to {found[1].atom} (margin {found[1].margin:.2f})")
+        if not taken:
+            return None
+        begin = body.now
+        body.hold(0.3)
+        planned = self.plan(reason)
+        result = "a way on" if planned is not None or self.reached() else "no plan"
+        text = f"fell over: taken for standing on another face, {', '.join(taken)}"
+        self._journal.recovered("recover-face", text, result, begin)
+        return planned
 
     def _try_assume(self, reason: str) -> Planned | None:
         if not self._config.assume:

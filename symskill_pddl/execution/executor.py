@@ -154,13 +154,19 @@ class _Run:
         self.belief = Belief(frozenset(c.predicate.name for c in library.classifiers if c.child == GRIPPER))
         self.mind = Deliberation(domain, goal, objects, planner, library, config, self.body, self.belief, journal)
         self.replans = 0
+        self.by_itself = False
+        """Whether the last step was left because what it was to bring about was there: the hand is in the middle of it."""
 
     def closed_loop(self) -> tuple[Category, str]:
         """Until the goal holds."""
         reason, rounds = "start", 0
         while True:
             if self.mind.reached():
-                return Category.SUCCESS, "the goal holds"
+                if not self.by_itself:
+                    return Category.SUCCESS, "the goal holds"
+                self.by_itself = False
+                self.mind.leave("the goal came about before its steps had ended")
+                continue
             if rounds > self.config.max_replans:
                 return Category.REPLANS, f"gave up after {self.config.max_replans} new plans; the last reason: {reason}"
             if self.body.elapsed > self.config.max_time_s:
@@ -214,9 +220,11 @@ class _Run:
             match verdict:
                 case EffectsHold():
                     self.belief.succeeded(watch)
+                    self.by_itself = False
                     index += 1
                 case JumpAhead(index=ahead):
                     self.belief.jumped()
+                    self.by_itself = True
                     index = ahead
                 case Stalled() | OverTime() if only_clearance_lacks(watch, self.body.state):
                     self.mind.clear(verdict.reason)

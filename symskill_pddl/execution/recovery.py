@@ -3,6 +3,7 @@
 - `FailureMemory`: which ground steps failed, how often; raises their cost and widens the next sample.
 - `goal_shift`: moves a blamed step's goal by a sample of its effect predicate.
 - `nearest_symbols`: for objects in no known relation, the relations they are nearest to, as assumptions for planning.
+- `other_face`: for a thing that fell over, the turn under which it is as it was demonstrated.
 - `servo`, `way_back`: the few motions that are not learned (backing off, going back where one came from).
 """
 
@@ -12,6 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from symskill_pddl.abstraction import Classifier, groundings
 from symskill_pddl.geometry import Array, Pose, quat_conjugate, quat_log, quat_multiply, rotation_distance
@@ -21,6 +23,14 @@ from symskill_pddl.symbols import Atom, GroundOperator, State
 
 StepKey = tuple[str, tuple[str, ...]]
 """A ground step by name: (operator, arguments)."""
+
+
+_BOX_TURNS = tuple(
+    (r.as_quat()[[3, 0, 1, 2]], r.as_matrix()) for r in sorted(Rotation.create_group("O"), key=lambda r: round(r.magnitude(), 6))
+)
+"""The 24 turns of a box onto itself as quaternions (w, x, y, z) and matrices; the first one is none."""
+_NEARER = 0.5
+"""By how much a turn has to better the margin: a tie is no reason to see a thing differently."""
 
 
 def key_of(step: GroundOperator) -> StepKey:
@@ -127,6 +137,46 @@ def nearest_symbols(
                 margin = float(classifier.margin(scene.pose(parent).inverse() @ scene.pose(child)))
                 found.setdefault(child, []).append(Assumption(atom, margin))
     return {child: tuple(sorted(found[child], key=lambda a: (-a.margin, a.atom))) for child in sorted(found)}
+
+
+def other_face(
+    scene: Scene, name: str, half: tuple[float, float, float], classifiers: Iterable[Classifier]
+) -> tuple[Array, Assumption] | None:
+    """The turn of a box-like thing that fell over under which it is nearest to a known relation.
+
+    A thing that lies on another face stands in no relation that a demonstration shows, although a box with nearly the same
+    sides looks no different. Of the turns that carry such a box over to itself the best one is chosen.
+
+    Parameters
+    ----------
+    half : (float, float, float)
+        Half sizes of its box [m]; sides that change places may differ by a third.
+
+    Returns
+    -------
+    ((4,), Assumption) or None
+        The quaternion of ``T_seen_taken``, and the relation with its margin then; None where no turn brings it nearer than none.
+    """
+    sides = np.asarray(half)
+    fits = [q for q, R in _BOX_TURNS if np.max(np.abs(np.log(np.abs(R) @ sides / sides))) < np.log(4.0 / 3.0)]
+    T = scene.pose(name)
+    poses = Pose(np.repeat(T.p[None], len(fits), axis=0), quat_multiply(T.q, np.array(fits)))
+    best: tuple[float, int, Assumption] | None = None
+    unturned = -np.inf
+    for classifier in classifiers:
+        if classifier.child == GRIPPER:
+            continue
+        for atom, parent, child in groundings(classifier, scene.objects):
+            if child != name:
+                continue
+            margins = classifier.margin(scene.pose(parent).inverse() @ poses)
+            unturned = max(unturned, float(margins[0]))
+            i = int(np.argmax(margins))
+            if best is None or margins[i] > best[0]:
+                best = float(margins[i]), i, Assumption(atom, float(margins[i]))
+    if best is None or best[0] - unturned < _NEARER:
+        return None
+    return np.asarray(fits[best[1]]), best[2]
 
 
 def servo(T_world_ee: Pose, T_world_target: Pose, *, gain: float, max_speed: float, max_turn: float) -> Array:

@@ -165,6 +165,19 @@ class TestDisturbances:
         assert outcome.success
         assert "recover-observe" in outcome.recoveries
 
+    def test_the_hand_leaves_what_somebody_else_has_done(self):
+        world = FakeWorld()
+        before = []
+
+        def help_out():
+            world.on_door, world.angle = False, 1.5
+            before.append(world.ee.p)
+
+        outcome = run(world, atoms("door-open door cabinet"), on_step=when(world, "reach-closed-door", help_out, 0.5))
+        assert outcome.success
+        assert outcome.recoveries == ("recover-leave",)
+        assert world.ee.p[2] > before[0][2] + 0.1
+
 
 class TestFailures:
     def test_a_grasp_that_slips_is_resampled(self):
@@ -330,6 +343,15 @@ class TestAssumptions:
         assert outcome.success
         assert world.angle == pytest.approx(1.5, abs=0.15)
         assert names(outcome) == ["reach-closed-door", "open-door"]
+
+    @pytest.mark.parametrize("extents", [{}, {"food": (0.02, 0.02, 0.02)}])
+    def test_a_thing_that_fell_over_is_taken_by_another_face(self, extents):
+        lying = Pose.from_rotvec(COUNTER + np.array([0.02, 0, 0.03]), [np.pi / 2, 0, 0])
+        outcome = run(FakeWorld(cheese=lying, angle=1.5), library=replace(LIBRARY, extents=extents))
+        assert outcome.success
+        # without sizes it is only assumed to stand as things do, and the hand comes from the side
+        assert ("recover-face" in outcome.recoveries) is bool(extents)
+        assert ("recover-assume" in outcome.recoveries) is not bool(extents)
 
     def test_off(self):
         outcome = run(FakeWorld(angle=0.7), config=ExecutionConfig(assume=False))

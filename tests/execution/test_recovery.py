@@ -3,7 +3,17 @@ import pytest
 from fake_world import CABINET, COUNTER, DOWN, OBJECTS, FakeWorld, at, atoms, make_library
 
 from symskill_pddl.abstraction import abstract
-from symskill_pddl.execution.recovery import FailureMemory, backed_off, capped, goal_shift, near, nearest_symbols, servo, way_back
+from symskill_pddl.execution.recovery import (
+    FailureMemory,
+    backed_off,
+    capped,
+    goal_shift,
+    near,
+    nearest_symbols,
+    other_face,
+    servo,
+    way_back,
+)
 from symskill_pddl.geometry import Pose, rotation_distance
 from symskill_pddl.symbols import GroundOperator
 
@@ -101,6 +111,32 @@ class TestNearest:
 
     def test_what_moves_is_left_out(self):
         assert self.nearest(FakeWorld(angle=0.5), objects=("cheese", "cabinet")) == {}
+
+
+class TestOtherFace:
+    LYING = Pose.from_rotvec(COUNTER + np.array([0.02, 0, 0.03]), [np.pi / 2, 0, 0]) @ Pose.from_rotvec(np.zeros(3), [0, 0.2, 0])
+
+    def found(self, pose, half=(0.02, 0.02, 0.02)):
+        return other_face(FakeWorld(cheese=pose).observe(), "cheese", half, LIBRARY.classifiers)
+
+    def test_a_cube_that_fell_over_is_turned_upright(self):
+        q, assumption = self.found(self.LYING)
+        assert assumption.atom == next(iter(atoms("food-on-counter cheese counter")))
+        assert assumption.margin > 0
+        turned = self.LYING @ Pose(np.zeros(3), q)
+        np.testing.assert_allclose(turned.rotation_matrix()[2, 2], 1.0, atol=1e-9)
+        # of the four ways to stand upright the one nearest to what was shown
+        assert rotation_distance(turned, Pose(turned.p, [1.0, 0, 0, 0])) == pytest.approx(0.2)
+
+    def test_what_stands_as_shown_is_left_alone(self):
+        assert self.found(Pose(self.LYING.p, [1.0, 0, 0, 0])) is None
+
+    def test_a_long_thing_on_its_end_is_no_other_face_of_the_same_box(self):
+        assert self.found(self.LYING, (0.02, 0.02, 0.06)) is None
+        assert self.found(self.LYING, (0.06, 0.02, 0.024)) is not None
+
+    def test_nothing_is_known_of_what_is_never_a_child(self):
+        assert other_face(FakeWorld().observe(), "cabinet", (0.1, 0.1, 0.1), LIBRARY.classifiers) is None
 
 
 def test_servo_goes_straight_to_the_target():
