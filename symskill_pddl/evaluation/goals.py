@@ -9,19 +9,17 @@ from symskill_pddl.library import Goal, Library
 from symskill_pddl.symbols import Atom, Domain, State, Type
 
 
-def goal_atoms(library: Library, tasks: Sequence[str], objects: Mapping[str, str], focus: Sequence[str]) -> State:
-    """The goal of an episode: the learned goals of `tasks` together, bound to the episode's objects.
+def goal_atoms(library: Library, goals: Sequence[tuple[str, Sequence[str]]], objects: Mapping[str, str]) -> State:
+    """The goal of an episode: the learned goals of demonstrated tasks together, bound to the episode's objects.
 
     Parameters
     ----------
     library : Library
         Its `goals` are what the demonstrations of each task ended with.
-    tasks : sequence of str
-        The demonstrated tasks that make up the episode's task; one for an atomic task.
+    goals : sequence of (str, sequence of str)
+        The demonstrated tasks that make up the episode's task, one for an atomic task, each with the objects that it is about.
     objects : mapping of str to str
         Type of every object of the episode.
-    focus : sequence of str
-        The objects that the episode's task is about.
 
     Raises
     ------
@@ -30,12 +28,32 @@ def goal_atoms(library: Library, tasks: Sequence[str], objects: Mapping[str, str
     """
     learned = {goal.task: goal for goal in library.goals}
     atoms: set[Atom] = set()
-    for task in tasks:
+    for task, focus in goals:
         if task not in learned:
             raise InputError(
                 f"the library has learned no goal for task '{task}', state one with --goal; it has: {alternatives(learned)}"
             )
         atoms |= bind_goal(learned[task], objects, focus, library.types)
+    return frozenset(atoms)
+
+
+def resting_atoms(library: Library, goals: Sequence[tuple[str, str]], objects: Mapping[str, str]) -> State:
+    """The goal that things rest where they are said to: for each (thing, place) the learned relation of their types.
+
+    Raises
+    ------
+    InputError
+        The library has no relation of the two types, or several.
+    """
+    atoms: set[Atom] = set()
+    for thing, where in goals:
+        found = [c.predicate.name for c in library.classifiers if (c.child, c.parent) == (objects.get(thing), objects.get(where))]
+        if len(found) != 1:
+            what = f"several ({alternatives(found)})" if found else "none"
+            raise InputError(
+                f"'{thing}' at '{where}' needs one learned relation of their types, the library has {what}; use --goal"
+            )
+        atoms.add(Atom(found[0], (thing, where)))
     return frozenset(atoms)
 
 

@@ -78,15 +78,24 @@ class Preset:
     disturbances: tuple[str, ...] = ()
 
 
+def _of_kind(*kinds: str) -> tuple[str, ...]:
+    return tuple(name for name, task in TASKS.items() if task.kind in kinds)
+
+
+_COMPOSED = _of_kind("composed")
+_ALL = _of_kind("atomic", "composed")
+
+
 def _concerned(kind: Kind) -> tuple[str, ...]:
     """The tasks that a kind of disturbance concerns, as far as one episode tells."""
-    return tuple(name for name, task in TASKS.items() if kind.concerns(task.draw(np.random.default_rng(0)).focus))
+    return tuple(name for name in _ALL if kind.concerns(TASKS[name].draw(np.random.default_rng(0)).focus))
 
 
-_COMPOSED = tuple(name for name, task in TASKS.items() if task.composite)
 PRESETS = {
-    "atomic": Preset(tuple(name for name, task in TASKS.items() if not task.composite)),
+    "atomic": Preset(_of_kind("atomic")),
     "composed": Preset(_COMPOSED),
+    # for a library learned from play
+    "play": Preset(_of_kind("play goal")),
     # when the fifth step starts the door has just been opened, and the hand is about to reach inside
     "disturbed": Preset(_COMPOSED, ("close-door@op=4",)),
     # each disturbance once, at a moment that is drawn, in every task that it concerns
@@ -114,9 +123,9 @@ def chosen(tasks: str | None, preset: str | None) -> Preset:
 
 
 def tasks_named(text: str) -> tuple[str, ...]:
-    """``all`` or a comma-separated list of the kitchen's tasks."""
+    """A comma-separated list of tasks, or ``all``: the atomic and the composed ones of the kitchen, not those of play."""
     if text == "all":
-        return tuple(TASKS)
+        return _ALL
     names = tuple(name.strip() for name in text.split(",") if name.strip())
     if not names:
         raise InputError(f"no task named; there are: all, {alternatives(TASKS)}")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from symskill_pddl.abstraction import abstract
-from symskill_pddl.evaluation.goals import goal_atoms
+from symskill_pddl.evaluation.goals import goal_atoms, resting_atoms
 from symskill_pddl.evaluation.posed import placed, unlike
 from symskill_pddl.evaluation.results import EpisodeResult
 from symskill_pddl.execution.config import ExecutionConfig
@@ -96,8 +96,10 @@ def prepare(
         atoms = stated_goal(goal, domain, objects)
     elif own is not None:
         atoms = own.goal
+    elif spec.goal_at:
+        atoms = resting_atoms(library, spec.goal_at, objects)
     else:
-        atoms = goal_atoms(library, spec.goal_of or (task,), objects, kitchen.focus)
+        atoms = goal_atoms(library, spec.goal_of or ((task, kitchen.focus),), objects)
     nearest = nearest_symbols(scene, init, library.classifiers, objects).values()
     # what is only assumed may not fulfil the goal
     assumed = tuple(best for options in nearest if (best := next((a for a in options if a.atom not in atoms), None)) is not None)

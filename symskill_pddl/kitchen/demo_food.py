@@ -1,4 +1,4 @@
-"""How people take food out of the cabinet and put it in: grasped across its thin side, with the same pitch all the way.
+"""How people take food from one place to another (cabinet, counter, pan, plate): across its thin side, at one pitch.
 
 The pitch stays, because food that is turned between the fingers tumbles when it is put down. It is one at which the arm reaches
 both the counter and the cabinet's floor. The last way in and the first way out run straight along the approach direction.
@@ -9,18 +9,22 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symskill_pddl.geometry import Pose
+from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.demo_hand import Hand, along, facing, moved, offset
+from symskill_pddl.kitchen.episode import INSIDE_FLOOR
 from symskill_pddl.kitchen.human import approach_twice, vary
+from symskill_pddl.kitchen.loose import DISHES, FOODS, Vessel
 
 PITCH_DEG = (76.0, 80.0)
-COUNTER_TOP, CABINET_FLOOR = 0.0, layout.CABINET_INSIDE.center[2] - layout.CABINET_INSIDE.half[2]
+COUNTER_TOP, CABINET_FLOOR = 0.0, INSIDE_FLOOR
 """Heights of the supports: of the counter in the world, of the floor in the cabinet's frame [m]."""
 ON_COUNTER = ((0.55, 0.10), (0.03, 0.06))
 """Where people put food on the counter: middle and half width in the world [m]."""
 IN_CABINET = ((-0.08, -0.005), (0.02, 0.04))
 """Where they put it in the cabinet, in its frame [m]."""
+IN_DISH = {"pan": 0.012, "plate": 0.008}
+"""How far from the middle of a dish they put it, to either side [m]."""
 FRONT = -layout.CABINET.half[0]
 """The plane of the cabinet's opening: x in its frame."""
 
@@ -48,6 +52,34 @@ def to_cabinet(hand: Hand, food: str) -> None:
     place = _place(hand, grasp, spot, COUNTER_TOP)
     _carry(hand, [up, vary(_before(cabinet, place, 0.07), rng, 0.012), moved(place, [-0.02, 0.0, 0.05])], place)
     _retreat(hand, [along(place, -float(rng.uniform(0.045, 0.06))), vary(_before(cabinet, place, 0.06), rng, 0.012)])
+
+
+def to_plate(hand: Hand, food: str) -> None:
+    """Out of the pan, onto the plate."""
+    _between_dishes(hand, food, "pan", "plate")
+
+
+def to_pan(hand: Hand, food: str) -> None:
+    """From the plate into the pan."""
+    _between_dishes(hand, food, "plate", "pan")
+
+
+def _between_dishes(hand: Hand, food: str, start: str, end: str) -> None:
+    """Straight up out of the one, over its rim, and straight down into the other."""
+    rng = hand.rng
+    grasp = _pick(hand, food, [], _grasp(hand, food))
+    up = moved(grasp, [0.0, 0.0, rng.uniform(0.07, 0.10)])
+    aside = rng.uniform(-1.0, 1.0, 2) * IN_DISH[end]
+    place = _place(hand, grasp, _floor(hand, end, (float(aside[0]), float(aside[1]))), _floor(hand, start)[2])
+    _carry(hand, [up, moved(place, [0.0, 0.0, rng.uniform(0.08, 0.10)])], place)
+    _retreat(hand, [along(place, -float(rng.uniform(0.09, 0.12)))])
+
+
+def _floor(hand: Hand, dish: str, at: tuple[float, float] = (0.0, 0.0)) -> Array:
+    """A point of a dish's floor in the world (3,)."""
+    shape = DISHES[dish].shape
+    assert isinstance(shape, Vessel)
+    return hand.scene.pose(dish).apply((*at, shape.floor_z))
 
 
 def _grasp(hand: Hand, food: str) -> Pose:
@@ -82,7 +114,7 @@ def _pick(hand: Hand, food: str, via: list[Pose], grasp: Pose) -> Pose:
     way = [*(vary(T, rng, 0.015) for T in via), along(grasp, -float(rng.uniform(0.09, 0.11))), grasp]
     if faults.nudge:
         # one finger knocks against the food: half the opening, less the food's half width, and a little more
-        aside = 0.5 * hand.scene.aperture - layout.FOODS[food][1] + float(rng.uniform(0.004, 0.007))
+        aside = 0.5 * hand.scene.aperture - FOODS[food].half[1] + float(rng.uniform(0.004, 0.007))
         way[-1] = along(grasp, -0.005)
         hand.go(way, pause=faults.pause)
         hand.go([grasp @ offset([0.0, float(rng.choice([-1.0, 1.0])) * aside, -0.005])], careful=True)

@@ -11,7 +11,7 @@ from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.demo_hand import Hand, along, facing, offset
 from symskill_pddl.kitchen.human import approach_twice, vary
-from symskill_pddl.kitchen.layout import Vec3
+from symskill_pddl.kitchen.mjcf import Vec3
 from symskill_pddl.scene import Scene
 
 CLOSE_ENOUGH = {"hinge": float(np.radians(0.6)), "slide": 0.003}

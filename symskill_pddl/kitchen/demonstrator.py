@@ -24,6 +24,8 @@ WAYS: dict[str, Callable[[Hand, str], None]] = {
     "CloseSingleDoor": demo_door.close_door,
     "PnPCabToCounter": demo_food.to_counter,
     "PnPCounterToCab": demo_food.to_cabinet,
+    "PnPStoveToCounter": demo_food.to_plate,
+    "PnPCounterToStove": demo_food.to_pan,
     "OpenDrawer": demo_drawer.open_drawer,
     "CloseDrawer": demo_drawer.close_drawer,
     "TurnOnStove": demo_turn.turn_knob_on,

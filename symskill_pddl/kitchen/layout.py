@@ -6,11 +6,13 @@ The top of the counter is z = 0. Numbers are those of a real kitchen, within wha
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import radians
 
 from symskill_pddl.geometry import Array, Pose, frozen
-
-Vec3 = tuple[float, float, float]
+from symskill_pddl.kitchen import loose
+from symskill_pddl.kitchen.loose import Loose
+from symskill_pddl.kitchen.mjcf import Vec3
 
 
 @dataclass(frozen=True)
@@ -54,12 +56,13 @@ DRAWER_FRONT = Box((-0.170, 0.0, 0.0), (0.009, 0.13, 0.085))
 DRAWER_BAR: Vec3 = (-0.071, 0.0, 0.03)
 """Centre of the level bar in the drawer's frame: far enough from the front for a hand that looks down on it."""
 
-STOVE = Box((0.52, -0.09, 0.006), (0.18, 0.078, 0.006))
+STOVE = Box((0.54, -0.12, 0.003), (0.20, 0.09, 0.003))
 """A flat hob between where food is taken from the counter and where other foods stand; its knob is on the side of the robot."""
-BURNER: Vec3 = (0.10, 0.0, 0.007)
+BURNER: Vec3 = (0.08, 0.0, 0.004)
 """Centre of the burner in the stove's frame; it is flat."""
-KNOB = Box((-0.11, 0.0, 0.024), (0.0225, 0.006, 0.014))
-"""The ridge one takes the knob by, off, in the stove's frame; it is turned about the vertical through its middle."""
+KNOB = Box((-0.13, 0.0, 0.027), (0.0225, 0.006, 0.014))
+"""The ridge one takes the knob by, off, in the stove's frame; it is turned about the vertical through its middle.
+It is 21 cm from the middle of the burner: a hand on it is a box of 20 cm, and has to clear a pan."""
 
 SINK = Box((0.51, -0.69, 0.04), (0.15, 0.13, 0.04))
 """A basin that stands on the counter, at its right."""
@@ -68,6 +71,11 @@ FAUCET: Vec3 = (0.05, 0.165, 0.0)
 LEVER = Box((0.005, 0.165, 0.078), (0.045, 0.007, 0.007))
 """The lever on top of the column, off, pointing at the robot, in the sink's frame."""
 
+RACK = Box((0.0, 0.0, 0.0), (0.11, 0.11, 0.012))
+"""A dish rack: a frame with two rails along x on which a lid's skirt lies, in its own frame."""
+RAIL_Y, RAIL_HALF = 0.05, 0.005
+"""Middle of a rail, to either side, and half its thickness [m]; their upper sides are the rack's."""
+
 
 @dataclass(frozen=True)
 class Part:
@@ -75,6 +83,7 @@ class Part:
 
     Attributes
     ----------
+    type : str
     unit : str
         What it moves in.
     home : (float, float, float)
@@ -95,6 +104,7 @@ class Part:
         At most, and at least, at this position it counts as shut or off, and as open or on.
     """
 
+    type: str
     unit: str
     home: Vec3
     joint: str
@@ -110,30 +120,34 @@ class Part:
     opened: float
 
 
-UNITS = {"cabinet": CABINET, "drawer-unit": DRAWER_UNIT, "stove": STOVE, "sink": SINK}
-"""Fixtures that parts move in: their outer boxes (world)."""
+@dataclass(frozen=True)
+class Unit:
+    """A fixture: its type, what it looks like, and its outer box in the world; its frame is the middle of the box."""
+
+    type: str
+    look: str
+    box: Box
+
+
 PARTS = {
     "door": Part(
-        "cabinet", DOOR.center, "hinge", (0.0, 0.0, 1.0), DOOR_HINGE, 1.955, 1.5, 0.6, 0.01,
+        "door", "cabinet", DOOR.center, "hinge", (0.0, 0.0, 1.0), DOOR_HINGE, 1.955, 1.5, 0.6, 0.01,
         DOOR.half, HANDLE, shut=radians(3.0), opened=radians(75.0),
     ),
     "drawer": Part(
-        "drawer-unit", DRAWER_FRONT.center, "slide", (-1.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.20, 8.0, 2.0, 0.01,
+        "drawer", "drawer-unit", DRAWER_FRONT.center, "slide", (-1.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.20, 8.0, 2.0, 0.01,
         DRAWER_FRONT.half, DRAWER_BAR, shut=0.01, opened=0.12,
     ),
     "knob": Part(
-        "stove", KNOB.center, "hinge", (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1.9, 0.05, 0.04, 0.0005,
+        "knob", "stove", KNOB.center, "hinge", (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1.9, 0.05, 0.04, 0.0005,
         KNOB.half, (0.0, 0.0, 0.0), shut=0.2, opened=1.2,
     ),
     "lever": Part(
-        "sink", LEVER.center, "hinge", (0.0, 0.0, -1.0), (0.045, 0.0, 0.0), 1.5, 0.1, 0.1, 0.001,
+        "lever", "sink", LEVER.center, "hinge", (0.0, 0.0, -1.0), (0.045, 0.0, 0.0), 1.5, 0.1, 0.1, 0.001,
         LEVER.half, (-0.03, 0.0, 0.0), shut=0.2, opened=0.9,
     ),
 }  # fmt: skip
-
-FOODS: dict[str, Vec3] = {"cheese": (0.03, 0.02, 0.02), "bread": (0.02, 0.024, 0.024), "can": (0.025, 0.025, 0.024)}
-"""Half sizes of the foods; each fits between the fingers across y."""
-FOOD_MASS = {"cheese": 0.12, "bread": 0.10, "can": 0.15}
+"""Every part there is, by its name."""
 
 OBSTACLE = "obstacle"
 """Name and type of what a disturbance may put in the way; at other times it is far away, and no object of the scene."""
@@ -142,15 +156,69 @@ OBSTACLE_PARKED: Vec3 = (0.4, 0.0, 4.0)
 ADDED_EXTENTS: dict[str, Vec3] = {OBSTACLE: (OBSTACLE_RADIUS, OBSTACLE_RADIUS, OBSTACLE_RADIUS)}
 """Half sizes of types that are in the scene only because of a disturbance."""
 
-TYPES = {name: name for name in (*UNITS, *PARTS, "counter")} | dict.fromkeys(FOODS, "food")
-"""Type of every object, in the order of the scene: a fixture is a type of its own."""
-EXTENTS: dict[str, Vec3] = {
-    **{name: box.half for name, box in UNITS.items()},
-    **{name: part.half for name, part in PARTS.items()},
-    "counter": COUNTER.half,
-    "food": (0.03, 0.025, 0.024),
-}
-"""Half sizes per type; of foods, the largest."""
+
+@dataclass(frozen=True, eq=False)
+class SceneLayout:
+    """All that stands in one scene: fixtures, what turns or slides in them, and loose things. Its model is compiled once.
+
+    Attributes
+    ----------
+    name : str
+    units : dict of str to Unit
+    parts : dict of str to Part
+    loose : dict of str to Loose
+    """
+
+    name: str
+    units: dict[str, Unit]
+    parts: dict[str, Part]
+    loose: dict[str, Loose]
+
+    @cached_property
+    def types(self) -> dict[str, str]:
+        """Type of every object, in the order of the scene."""
+        fixed = {name: unit.type for name, unit in self.units.items()} | {name: part.type for name, part in self.parts.items()}
+        return fixed | {"counter": "counter"} | {name: thing.type for name, thing in self.loose.items()}
+
+    @cached_property
+    def extents(self) -> dict[str, Vec3]:
+        """Half sizes per type [m]; those of the largest where a type has several."""
+        sizes = [(u.type, u.box.half) for u in self.units.values()] + [(p.type, p.half) for p in self.parts.values()]
+        sizes += [("counter", COUNTER.half)] + [(t.type, t.half) for t in self.loose.values()]
+        found: dict[str, Vec3] = {}
+        for kind, (x, y, z) in sizes:
+            known = found.get(kind, (0.0, 0.0, 0.0))
+            found[kind] = (max(x, known[0]), max(y, known[1]), max(z, known[2]))
+        return found
+
+    def of_type(self, *kinds: str) -> tuple[str, ...]:
+        """Names of the loose things of these types."""
+        return tuple(name for name, thing in self.loose.items() if thing.type in kinds)
+
+
+KITCHEN = SceneLayout(
+    "kitchen",
+    {
+        "cabinet": Unit("cabinet", "cabinet", CABINET),
+        "drawer-unit": Unit("drawer-unit", "drawer-unit", DRAWER_UNIT),
+        "stove": Unit("stove", "stove", STOVE),
+        "sink": Unit("sink", "sink", SINK),
+    },
+    {name: PARTS[name] for name in ("door", "drawer", "knob", "lever")},
+    loose.FOODS | loose.DISHES,
+)
+"""The kitchen of the atomic tasks."""
+PLAY = SceneLayout(
+    "play",
+    {
+        "stove": Unit("stove", "hob", Box((0.55, -0.02, 0.003), (0.12, 0.11, 0.003))),
+        "dish-rack": Unit("cabinet", "rack", Box((0.50, -0.31, 0.012), RACK.half)),
+    },
+    {},
+    loose.PLAYTHINGS,
+)
+"""The scene of play: pan on a hob, a rack for its lid, two plates, two things."""
+SCENES = {scene.name: scene for scene in (KITCHEN, PLAY)}
 
 
 def hand_pose(p: Array | Vec3, yaw: float, pitch: float) -> Pose:

@@ -1,7 +1,7 @@
 """The MuJoCo model of the kitchen, put together with robosuite's own pieces.
 
 robosuite gives the arm, the gripper, the empty room and the meshes of some foods; fixtures are added as an arena of our own. The
-model is compiled once per process and copied for every episode, whose placements are fields of the compiled model.
+model of a scene is compiled once per process and copied for every episode, whose placements are fields of the compiled model.
 """
 
 from __future__ import annotations
@@ -9,11 +9,16 @@ from __future__ import annotations
 import copy
 import xml.etree.ElementTree as ET
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
-from symskill_pddl.kitchen import layout
+from symskill_pddl.errors import MissingDependencyError, alternatives
+from symskill_pddl.kitchen import layout, loose
 from symskill_pddl.kitchen.backend import load_mujoco, load_robosuite
-from symskill_pddl.kitchen.fixtures import CONTACT, fixtures
+from symskill_pddl.kitchen.fixtures import fixtures
+from symskill_pddl.kitchen.layout import SceneLayout
+from symskill_pddl.kitchen.loose import Loose, Mesh
+from symskill_pddl.kitchen.mjcf import CONTACT
 
 ARM_JOINTS = tuple(f"robot0_joint{i}" for i in range(1, 8))
 FINGER_JOINTS = ("gripper0_right_finger_joint1", "gripper0_right_finger_joint2")
@@ -24,28 +29,31 @@ FINGER_FORCE = 45.0
 """Most the fingers' drives give [N], each; the real hand presses with up to 70 N."""
 
 
-def _foods() -> list[Any]:
-    """robosuite objects, named, with masses and contacts of our own (theirs weigh a few grams)."""
+def _mesh(name: str, thing: Loose, shape: Mesh) -> Any:
+    """A robosuite object with mass and contacts of our own (theirs weigh a few grams)."""
     load_robosuite()
-    from robosuite.models.objects import BoxObject, MujocoXMLObject
+    from robosuite.models.objects import MujocoXMLObject
     from robosuite.utils.mjcf_utils import xml_path_completion
 
-    mesh_scale = {"bread": None, "can": (1.0, 1.0, 0.6)}
-    objects: list[Any] = [BoxObject("cheese", size=layout.FOODS["cheese"], rgba=(0.98, 0.80, 0.20, 1.0))]
-    objects += [
-        MujocoXMLObject(xml_path_completion(f"objects/{name}.xml"), name=name, scale=scale) for name, scale in mesh_scale.items()
-    ]
-    for item in objects:
-        for geom in item.get_obj().iter("geom"):
-            if geom.get("group") == "0":
-                geom.attrib.pop("density", None)
-                # rolling friction: a tin or a loaf does not spin on a point
-                geom.attrib.update(CONTACT, mass=str(layout.FOOD_MASS[item.name]), friction="0.9 0.02 0.001")
-    return objects
+    path = Path(xml_path_completion(f"objects/{shape.file}.xml"))
+    if not path.is_file():
+        there = alternatives(p.stem for p in path.parent.glob("*.xml"))
+        raise MissingDependencyError(f"robosuite has no object '{shape.file}' for '{name}' ({path}); it has: {there}")
+    item = MujocoXMLObject(str(path), name=name, scale=shape.scale)
+    for mesh in item.asset.iter("mesh"):
+        if not Path(mesh.get("file", "")).is_file():
+            raise MissingDependencyError(
+                f"robosuite's object '{shape.file}' lacks its mesh {mesh.get('file')}: install robosuite again"
+            )
+    for geom in item.get_obj().iter("geom"):
+        if geom.get("group") == "0":
+            geom.attrib.pop("density", None)
+            geom.attrib.update(CONTACT, mass=str(thing.mass), friction=loose.FOOD_FRICTION)
+    return item
 
 
-def _mjcf() -> str:
-    """The whole kitchen as one MJCF document."""
+def _mjcf(scene: SceneLayout) -> str:
+    """The whole scene as one MJCF document."""
     load_robosuite()
     from robosuite.models.arenas import EmptyArena
     from robosuite.models.grippers import PandaGripper
@@ -58,15 +66,20 @@ def _mjcf() -> str:
         def __init__(self) -> None:
             super().__init__()
             self.set_origin((0.0, 0.0, layout.FLOOR_Z))
-            for element in fixtures():
+            for element in fixtures(scene):
                 self.worldbody.append(element)
+            for name, thing in scene.loose.items():
+                body = loose.mjcf(name, thing)
+                if body is not None:
+                    self.worldbody.append(ET.fromstring(body))
             # a closed door rests on the cabinet's edges; the joint limit does that better than contacts
-            for name, part in layout.PARTS.items():
+            for name, part in scene.parts.items():
                 self.contact.append(ET.Element("exclude", body1=part.unit, body2=name))
 
     robot = Panda(0)
     robot.add_gripper(PandaGripper("0_right"))
-    root = ManipulationTask(KitchenArena(), [robot], _foods()).root
+    meshes = [_mesh(name, thing, thing.shape) for name, thing in scene.loose.items() if isinstance(thing.shape, Mesh)]
+    root = ManipulationTask(KitchenArena(), [robot], meshes).root
     for geom in root.iter("geom"):
         # arm links meet the world and the hand but not each other (a fifth of the time, for joint limits do the same)
         if geom.get("name", "").startswith("robot0_link") and geom.get("group") == "0":
@@ -78,17 +91,19 @@ def _mjcf() -> str:
     return str(text)
 
 
-@lru_cache(maxsize=1)
-def _compiled() -> Any:
+@lru_cache
+def _compiled(scene: SceneLayout) -> Any:
     mujoco = load_mujoco()
-    model = mujoco.MjModel.from_xml_string(_mjcf())
+    model = mujoco.MjModel.from_xml_string(_mjcf(scene))
     model.opt.timestep = 0.002
     model.opt.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     model.opt.impratio = 5.0
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    plain = [loose.body_of(name) for name, thing in scene.loose.items() if not isinstance(thing.shape, Mesh)]
+    drawn = {"counter", "room", *scene.units, *scene.parts, *plain}
     for i in range(model.ngeom):
         # robosuite takes inertia from group 0 only; once that is done, group 2 tells what is drawn as it collides
-        if model.body(model.geom_bodyid[i]).name in ("counter", "room", *layout.UNITS, *layout.PARTS):
+        if model.geom_group[i] == 0 and model.body(model.geom_bodyid[i]).name in drawn:
             model.geom_group[i] = 2
     for name in ARM_JOINTS:
         actuator = model.actuator(name.replace("robot0_joint", "robot0_torq_j")).id
@@ -103,6 +118,12 @@ def _compiled() -> Any:
     return model
 
 
-def kitchen_model() -> Any:
-    """A fresh `mujoco.MjModel` of the kitchen that the caller may change."""
-    return copy.deepcopy(_compiled())
+def scene_model(scene: SceneLayout) -> Any:
+    """A fresh `mujoco.MjModel` of a scene that the caller may change.
+
+    Raises
+    ------
+    MissingDependencyError
+        robosuite, mujoco, or a mesh of robosuite's is not there.
+    """
+    return copy.deepcopy(_compiled(scene))

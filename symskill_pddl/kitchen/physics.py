@@ -14,10 +14,11 @@ from numpy.typing import ArrayLike
 from symskill_pddl.control import PassiveController
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, Pose
-from symskill_pddl.kitchen import layout
+from symskill_pddl.kitchen import layout, loose
 from symskill_pddl.kitchen.backend import load_mujoco
 from symskill_pddl.kitchen.fixtures import joint_of
-from symskill_pddl.kitchen.model import ARM_JOINTS, EE_SITE, FINGER_JOINTS, kitchen_model
+from symskill_pddl.kitchen.layout import SceneLayout
+from symskill_pddl.kitchen.model import ARM_JOINTS, EE_SITE, FINGER_JOINTS, scene_model
 
 OPEN_APERTURE = 0.08
 ROBOT = "robot"
@@ -30,6 +31,7 @@ class Physics:
 
     Attributes
     ----------
+    scene : SceneLayout
     model, data : mujoco.MjModel, mujoco.MjData
     controller : PassiveController
     bodies : dict of str to int
@@ -44,9 +46,10 @@ class Physics:
         Wall-clock time of the controller in the last `advance` [s].
     """
 
-    def __init__(self, controller: PassiveController | None = None) -> None:
+    def __init__(self, scene: SceneLayout = layout.KITCHEN, controller: PassiveController | None = None) -> None:
         self._mj = load_mujoco()
-        self.model = kitchen_model()
+        self.scene = scene
+        self.model = scene_model(scene)
         self.data = self._mj.MjData(self.model)
         self.controller = controller or PassiveController()
         self.loads: list[Callable[[], None]] = []
@@ -56,17 +59,17 @@ class Physics:
         self._arm_q = np.array([joint(name).qposadr[0] for name in ARM_JOINTS])
         self._arm_v = np.array([joint(name).dofadr[0] for name in ARM_JOINTS])
         self._finger_q = np.array([joint(name).qposadr[0] for name in FINGER_JOINTS])
-        self._part_q = {name: int(joint(joint_of(name)).qposadr[0]) for name in layout.PARTS}
-        self._part_v = {name: int(joint(joint_of(name)).dofadr[0]) for name in layout.PARTS}
-        self._food_q = {name: int(joint(f"{name}_joint0").qposadr[0]) for name in layout.FOODS}
-        self._food_v = {name: int(joint(f"{name}_joint0").dofadr[0]) for name in layout.FOODS}
+        self._part_q = {name: int(joint(joint_of(name)).qposadr[0]) for name in scene.parts}
+        self._part_v = {name: int(joint(joint_of(name)).dofadr[0]) for name in scene.parts}
+        self._loose_q = {name: int(joint(loose.joint_of(name)).qposadr[0]) for name in scene.loose}
+        self._loose_v = {name: int(joint(loose.joint_of(name)).dofadr[0]) for name in scene.loose}
         self._site = int(self.model.site(EE_SITE).id)
         self.hand = int(self.model.body("gripper0_right_right_gripper").id)
-        bodies = [name if name not in layout.FOODS else f"{name}_main" for name in layout.TYPES]
-        self.bodies = {name: int(self.model.body(body).id) for name, body in zip(layout.TYPES, bodies, strict=True)}
+        body = self.model.body
+        self.bodies = {name: int(body(loose.body_of(name) if name in scene.loose else name).id) for name in scene.types}
         self._body_ids = np.array(list(self.bodies.values()))
-        self.bodies[layout.OBSTACLE] = int(self.model.body(layout.OBSTACLE).id)
-        names = (self.model.body(b).name for b in range(self.model.nbody))
+        self.bodies[layout.OBSTACLE] = int(body(layout.OBSTACLE).id)
+        names = (body(b).name for b in range(self.model.nbody))
         self.robot = frozenset(b for b, name in enumerate(names) if name.startswith(("robot0", "gripper0")))
         self._owner = self._owners()
         actuator = self.model.actuator
@@ -85,7 +88,7 @@ class Physics:
         return Pose(site.xpos, q)
 
     def T_world_objects(self) -> Pose:
-        """Poses (n,) of the objects in the order of `layout.TYPES`."""
+        """Poses (n,) of the objects in the order of `scene.types`."""
         return Pose(self.data.xpos[self._body_ids], self.data.xquat[self._body_ids])
 
     def T_world(self, name: str) -> Pose:
@@ -120,9 +123,9 @@ class Physics:
         """Linear velocity (3,) of the end-effector frame [m/s], world axes."""
         return np.asarray(self.jacobian()[:3] @ self.data.qvel[self._arm_v])
 
-    def speed(self, food: str) -> float:
-        """Speed of a food's centre [m/s]."""
-        v = self._food_v[food]
+    def speed(self, thing: str) -> float:
+        """Speed of a loose thing's centre [m/s]."""
+        v = self._loose_v[thing]
         return float(np.linalg.norm(self.data.qvel[v : v + 3]))
 
     def robot_touches(self, name: str) -> bool:
@@ -167,15 +170,16 @@ class Physics:
 
     def set_unit(self, name: str, shift: ArrayLike) -> None:
         """Put a unit at its place in the layout plus `shift` (3,) [m]."""
-        self.model.body_pos[self.bodies[name]] = np.asarray(layout.UNITS[name].center) + np.asarray(shift)
+        self.model.body_pos[self.bodies[name]] = np.asarray(self.scene.units[name].box.center) + np.asarray(shift)
 
     def set_part(self, name: str, position: float) -> None:
         """Open a part that far [rad] or [m], at rest."""
         self.data.qpos[self._part_q[name]], self.data.qvel[self._part_v[name]] = position, 0.0
 
-    def set_food(self, name: str, T_world_food: Pose) -> None:
-        at, v = self._food_q[name], self._food_v[name]
-        self.data.qpos[at : at + 7], self.data.qvel[v : v + 6] = T_world_food.vector(), 0.0
+    def set_loose(self, name: str, T_world_thing: Pose) -> None:
+        """Put a loose thing somewhere, at rest."""
+        at, v = self._loose_q[name], self._loose_v[name]
+        self.data.qpos[at : at + 7], self.data.qvel[v : v + 6] = T_world_thing.vector(), 0.0
 
     def set_arm(self, q: ArrayLike, aperture: float = OPEN_APERTURE) -> None:
         """Joint positions (7,) [rad] and opening of the fingers [m], at rest."""

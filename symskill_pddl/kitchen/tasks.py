@@ -1,118 +1,44 @@
-"""The tasks: what an episode looks like, and when it is a success. One table, `TASKS`.
-
-Judges read the simulator's state: joint angle, region, rest, hand away. Learned controllers never see them.
-"""
+"""The tasks: what an episode looks like, and when it is a success. One table, `TASKS`."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
-import numpy as np
 from numpy.random import Generator
 
 from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
-from symskill_pddl.kitchen.layout import Box, Vec3, hand_pose
+from symskill_pddl.kitchen.episode import Episode, place, uniform
+from symskill_pddl.kitchen.judges import covers, in_cabinet, in_rack, inside, is_open, is_shut, let_go, on_counter
+from symskill_pddl.kitchen.layout import KITCHEN, PLAY, Box, SceneLayout, hand_pose
 
 if TYPE_CHECKING:
     from symskill_pddl.kitchen.physics import Physics
 
-AT_REST = 0.01
-"""Speed below which a food is at rest [m/s]."""
-HAND_AWAY = 0.08
-"""Least distance from the grip point to a food that was let go of [m]."""
-
-COUNTER_REGION = Box((0.42, 0.0, 0.025), (0.20, 0.55, 0.025))
-"""Where a food counts as being on the counter (world): what the arm reaches of it."""
 COUNTER_SPOT = Box((0.55, 0.11, 0.0), (0.03, 0.07, 0.0))
 """Where the food to be picked from the counter stands (world): a steep hand is clear of the wrist's singularity here."""
-COUNTER_ASIDE = (Box((0.46, -0.25, 0.0), (0.08, 0.04, 0.0)), Box((0.46, -0.42, 0.0), (0.08, 0.04, 0.0)))
+COUNTER_ASIDE = (Box((0.44, -0.285, 0.0), (0.07, 0.022, 0.0)), Box((0.44, -0.415, 0.0), (0.07, 0.020, 0.0)))
 """Where the other foods stand (world), out of the way."""
 CABINET_SPOT = Box((-0.08, -0.005, 0.0), (0.025, 0.04, 0.0))
 """Where a food stands in the cabinet, in the cabinet's frame: near the front, where the same steep hand fits in."""
+PAN_SPOT = Box((0.0, 0.0, 0.0), (0.02, 0.02, 0.0))
+PLATE_SPOT = Box((0.0, 0.0, 0.0), (0.015, 0.015, 0.0))
+"""Where a food stands in a pan or on a plate, in the dish's frame."""
+SPOTS = {"counter": COUNTER_SPOT, "cabinet": CABINET_SPOT, "pan": PAN_SPOT, "plate": PLATE_SPOT}
+PAN_ON_STOVE = Box((layout.BURNER[0], 0.0, 0.0), (0.006, 0.006, 0.0))
+PLATE_ON_COUNTER = Box((0.38, 0.16, 0.0), (0.01, 0.01, 0.0))
+YAW_DEG = {"counter": (-20.0, 2.0), "cabinet": (-15.0, 15.0), "pan": (-15.0, 10.0), "plate": (-15.0, 5.0)}
+"""How far a food is turned; on the counter beside the arm, a hand turned further left meets the wrist's limit."""
 STANDING_SHIFT = (0.01, 0.01, 0.0)
 """How far a unit on the counter may stand from its place, to either side [m]."""
 HAND_START = Box((0.42, 0.0, 0.32), (0.03, 0.05, 0.04))
 
 
-@dataclass(frozen=True)
-class Place:
-    """Where a food stands: 'counter' or 'cabinet', (x, y) [m] in the frame of the world or the cabinet, and the yaw [rad]."""
-
-    on: str
-    x: float
-    y: float
-    yaw: float
-
-
-@dataclass(frozen=True, eq=False)
-class Episode:
-    """What is drawn from the seed.
-
-    Attributes
-    ----------
-    focus : tuple of str
-        Objects the task is about.
-    shifts : dict of str to (float, float, float)
-        Where the units stand or hang, relative to the layout [m].
-    positions : dict of str to float
-        How far the parts are open [rad] or [m].
-    foods : dict of str to Place
-    T_start : Pose
-        Start pose of the hand.
-    """
-
-    focus: tuple[str, ...]
-    shifts: dict[str, Vec3]
-    positions: dict[str, float]
-    foods: dict[str, Place]
-    T_start: Pose
-
-    @property
-    def cabinet_shift(self) -> Vec3:
-        """[m]"""
-        return self.shifts["cabinet"]
-
-    def must_reach(self, T_world_door: Pose) -> tuple[Pose, ...]:
-        """Hand poses without which the task cannot be done: the foods of the focus, and the handle where the door is."""
-        poses = [
-            hand_pose(food_pose(name, place, self.cabinet_shift).p, place.yaw, math.radians(78.0))
-            for name, place in self.foods.items()
-            if name in self.focus
-        ]
-        if "door" in self.focus and self.positions["door"] < layout.PARTS["door"].opened / 2:
-            poses.append(hand_pose(T_world_door.apply(layout.HANDLE), math.radians(15.0), math.radians(42.0)))
-        return tuple(poses)
-
-
-def food_pose(name: str, place: Place, cabinet_shift: Vec3) -> Pose:
-    """`T_world_food` of a food standing at a place."""
-    height = layout.FOODS[name][2] + 0.001
-    yaw = [math.cos(place.yaw / 2), 0.0, 0.0, math.sin(place.yaw / 2)]
-    if place.on == "counter":
-        return Pose(np.array([place.x, place.y, height]), np.array(yaw))
-    floor = layout.CABINET_INSIDE.center[2] - layout.CABINET_INSIDE.half[2]
-    center = np.asarray(layout.CABINET.center) + np.asarray(cabinet_shift)
-    return Pose(center + np.array([place.x, place.y, floor + height]), np.array(yaw))
-
-
 # --- drawing
-
-
-def _uniform(rng: Generator, box: Box) -> tuple[float, float, float]:
-    x, y, z = (float(c + h * rng.uniform(-1.0, 1.0)) for c, h in zip(box.center, box.half, strict=True))
-    return x, y, z
-
-
-def _place(rng: Generator, on: str, box: Box) -> Place:
-    x, y, _ = _uniform(rng, box)
-    # on the counter beside the arm, a hand turned further left meets the wrist's limit
-    low, high = (-15.0, 15.0) if on == "cabinet" else (-20.0, 2.0)
-    return Place(on, x, y, math.radians(float(rng.uniform(low, high))))
 
 
 def _draw(
@@ -123,157 +49,222 @@ def _draw(
     door_deg: tuple[float, float] = (0.0, 0.0),
     **opened: tuple[float, float],
 ) -> Episode:
-    """An episode with `food` (one of the focus, or any) on the counter's spot or in the cabinet, and the others aside.
+    """An episode with `food` (one of the focus, or any) at a spot of the counter, the cabinet or a dish, and the others aside.
 
     `opened` says between which positions other parts than the door are; those not named are shut.
     """
-    # a stream of its own: what is added to the kitchen leaves the rest of an episode as it was
-    more = rng.spawn(1)[0]
-    names = list(layout.FOODS)
+    # streams of their own: what is added to the kitchen leaves the rest of an episode as it was
+    more, dishes = rng.spawn(1)[0], rng.spawn(1)[0]
+    names = list(KITCHEN.of_type("food"))
     main = food or names[int(rng.integers(len(names)))]
-    spot = _place(rng, food_on, CABINET_SPOT if food_on == "cabinet" else COUNTER_SPOT)
+    spot = place(rng, food_on, SPOTS[food_on], YAW_DEG[food_on])
     aside = rng.permutation(len(COUNTER_ASIDE))
     others = [name for name in names if name != main]
-    foods = {main: spot} | {name: _place(rng, "counter", COUNTER_ASIDE[int(i)]) for name, i in zip(others, aside, strict=True)}
-    shifts = {"cabinet": _uniform(rng, Box((0.0, 0.0, 0.0), (0.02, 0.02, 0.02)))}
+    foods = {main: spot} | {
+        name: place(rng, "counter", COUNTER_ASIDE[int(i)], YAW_DEG["counter"]) for name, i in zip(others, aside, strict=True)
+    }
+    shifts = {"cabinet": uniform(rng, Box((0.0, 0.0, 0.0), (0.02, 0.02, 0.02)))}
     positions = {"door": math.radians(float(rng.uniform(*door_deg)))}
-    for name in layout.UNITS:
+    for name in KITCHEN.units:
         if name not in shifts:
-            shifts[name] = _uniform(more, Box((0.0, 0.0, 0.0), STANDING_SHIFT))
-    for name in layout.PARTS:
+            shifts[name] = uniform(more, Box((0.0, 0.0, 0.0), STANDING_SHIFT))
+    for name in KITCHEN.parts:
         if name not in positions:
             positions[name] = float(more.uniform(*opened.get(name, (0.0, 0.0))))
+    start = _hand_start(rng)
+    loose = {name: foods[name] for name in names}
+    loose["pan"] = place(dishes, "stove", PAN_ON_STOVE, (-5.0, 5.0))
+    loose["plate"] = place(dishes, "counter", PLATE_ON_COUNTER, (-5.0, 5.0))
+    return Episode(tuple(main if name == "food" else name for name in focus), shifts, positions, loose, start)
+
+
+def _hand_start(rng: Generator) -> Pose:
     yaw, pitch = (math.radians(float(rng.uniform(*limits))) for limits in ((-10.0, 10.0), (65.0, 85.0)))
-    start = hand_pose(_uniform(rng, HAND_START), yaw, pitch)
-    focus = tuple(main if name == "food" else name for name in focus)
-    return Episode(focus, shifts, positions, {name: foods[name] for name in names}, start)
+    return hand_pose(uniform(rng, HAND_START), yaw, pitch)
 
 
 def _anywhere(rng: Generator) -> str:
     return ("counter", "cabinet")[int(rng.integers(2))]
 
 
-def _open_door(rng: Generator) -> Episode:
-    return _draw(rng, ("door", "cabinet"), None, _anywhere(rng))
-
-
-def _close_door(rng: Generator) -> Episode:
-    return _draw(rng, ("door", "cabinet"), None, _anywhere(rng), (75.0, 100.0))
-
-
-def _with_part(part: str, *start: float) -> Callable[[Generator], Episode]:
-    """Episodes about a part of a unit on the counter, at first shut or somewhere between the two positions of `start`."""
+def _with_part(part: str, *start: float, door_deg: tuple[float, float] = (0.0, 0.0)) -> Callable[[Generator], Episode]:
+    """Episodes about a part, at first shut or somewhere between the two positions of `start`."""
     focus, opened = (part, layout.PARTS[part].unit), {part: (start[0], start[1])} if start else {}
-    return lambda rng: _draw(rng, focus, None, _anywhere(rng), **opened)
+    return lambda rng: _draw(rng, focus, None, _anywhere(rng), door_deg, **opened)
 
 
-def _cab_to_counter(rng: Generator) -> Episode:
-    return _draw(rng, ("food", "cabinet", "counter"), None, "cabinet", (85.0, 105.0))
+def _food(start: str, end: str, door_deg: tuple[float, float] = (0.0, 0.0)) -> Callable[[Generator], Episode]:
+    """Episodes about a food that is at `start` and belongs at `end`."""
+    return lambda rng: _draw(rng, ("food", start, end), None, start, door_deg)
 
 
-def _counter_to_cab(rng: Generator) -> Episode:
-    return _draw(rng, ("food", "cabinet", "counter"), None, "counter", (85.0, 105.0))
+def _cheese(start: str) -> Callable[[Generator], Episode]:
+    """Episodes about a cheese at `start` and a shut cabinet."""
+    return lambda rng: _draw(rng, ("cheese", "cabinet", "counter", "door"), "cheese", start)
 
 
-def _store_cheese(rng: Generator) -> Episode:
-    return _draw(rng, ("cheese", "cabinet", "counter", "door"), "cheese", "cabinet", (0.0, 0.0))
+def _play(lid_on: str | None = None, **things: str) -> Callable[[Generator], Episode]:
+    """Episodes of the play scene: the lid on the pan or in the rack, the things in dishes; where not said, anywhere."""
+
+    def draw(rng: Generator) -> Episode:
+        shifts = {name: uniform(rng, Box((0.0, 0.0, 0.0), STANDING_SHIFT)) for name in PLAY.units}
+        loose = {"pan": place(rng, "stove", Box((0.0, 0.0, 0.0), (0.006, 0.006, 0.0)), (-5.0, 5.0))}
+        on = lid_on or ("pan", "dish-rack")[int(rng.integers(2))]
+        loose["lid"] = place(rng, on, Box((0.0, 0.0, 0.0), (0.002 if on == "pan" else 0.01,) * 2 + (0.0,)), (-5.0, 5.0))
+        for name, spot in PLAY_PLATES.items():
+            loose[name] = place(rng, "counter", spot, (-5.0, 5.0))
+        dishes = list(rng.permutation(["pan", *PLAY_PLATES]))
+        for name in PLAY.of_type("thing"):
+            taken = [loose[other].on for other in PLAY.of_type("thing") if other in loose]
+            dish = things.get(name) or next(d for d in dishes if d not in taken and d not in things.values())
+            loose[name] = place(rng, dish, PLATE_SPOT, (-15.0, 5.0))
+        loose = {name: loose[name] for name in PLAY.loose}
+        return Episode((*PLAY.loose, "dish-rack"), shifts, {}, loose, _hand_start(rng))
+
+    return draw
+
+
+PLAY_PLATES = {"red-plate": Box((0.40, 0.22, 0.0), (0.01, 0.01, 0.0)), "white-plate": Box((0.58, 0.22, 0.0), (0.01, 0.01, 0.0))}
+"""Where the plates stand in the play scene (world)."""
 
 
 # --- judging
 
 
-def _food_of(episode: Episode) -> str:
-    return next(name for name in episode.focus if name in layout.FOODS)
-
-
-def hand_off(physics: Physics, part: str) -> bool:
-    """The hand touches the part nowhere and does not enclose what it is taken by."""
-    grip = physics.T_world(part).apply(layout.PARTS[part].grip)
-    return not physics.robot_touches(part) and float(np.linalg.norm(physics.T_world_ee().p - grip)) > HAND_AWAY
-
-
-def is_open(physics: Physics, part: str) -> bool:
-    """The part is open far enough and let go of."""
-    return physics.position(part) >= layout.PARTS[part].opened and hand_off(physics, part)
-
-
-def is_shut(physics: Physics, part: str) -> bool:
-    """The part is shut and let go of."""
-    return physics.position(part) <= layout.PARTS[part].shut and hand_off(physics, part)
-
-
-def let_go(physics: Physics, food: str) -> bool:
-    """The food is at rest and the hand away from it."""
-    distance = float(np.linalg.norm(physics.T_world_ee().p - physics.T_world(food).p))
-    return physics.speed(food) < AT_REST and distance > HAND_AWAY and not physics.robot_touches(food)
-
-
-def on_counter(physics: Physics, food: str) -> bool:
-    """The food lies on the counter, within the region."""
-    return COUNTER_REGION.contains(physics.T_world(food).p)
-
-
-def in_cabinet(physics: Physics, food: str) -> bool:
-    """The food lies on the cabinet's floor."""
-    p = (physics.T_world("cabinet").inverse() @ physics.T_world(food)).p
-    floor = layout.CABINET_INSIDE.center[2] - layout.CABINET_INSIDE.half[2]
-    return layout.CABINET_INSIDE.contains(p) and bool(p[2] - floor < 0.06)
-
-
-def _opened(physics: Physics, episode: Episode) -> bool:
-    return is_open(physics, episode.focus[0])
-
-
-def _shut(physics: Physics, episode: Episode) -> bool:
-    return is_shut(physics, episode.focus[0])
-
-
-def _on_counter(physics: Physics, episode: Episode) -> bool:
-    food = _food_of(episode)
-    return on_counter(physics, food) and let_go(physics, food)
-
-
-def _in_cabinet(physics: Physics, episode: Episode) -> bool:
-    food = _food_of(episode)
-    return in_cabinet(physics, food) and let_go(physics, food)
-
-
 @dataclass(frozen=True)
 class TaskSpec:
-    """A task: its name, how an episode is drawn, its judge, and the atomic tasks whose goals together are its goal."""
+    """A task.
+
+    Attributes
+    ----------
+    name : str
+    draw : callable
+        `draw(rng) -> Episode`.
+    judge : callable
+        `judge(physics, focus) -> bool`: success, for the objects that the task is about.
+    kind : str
+        'atomic': there are demonstrations, and its goal is learned from them. 'composed': no demonstration; its goal is those of
+        atomic tasks together. 'play': demonstrated without a goal. 'play goal': no demonstration; its goal is stated.
+    scene : SceneLayout
+    goal_of : tuple of (str, tuple of str)
+        Of a composed task: the atomic tasks whose goals together are its goal, and what each is about.
+    goal_at : tuple of (str, str)
+        Of a goal in the play scene: what is to be where.
+    """
 
     name: str
     draw: Callable[[Generator], Episode]
-    judge: Callable[[Physics, Episode], bool]
-    goal_of: tuple[str, ...] = ()
+    judge: Callable[[Physics, tuple[str, ...]], bool]
+    kind: Literal["atomic", "composed", "play", "play goal"] = "atomic"
+    scene: SceneLayout = KITCHEN
+    goal_of: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    goal_at: tuple[tuple[str, str], ...] = ()
 
     @property
     def composite(self) -> bool:
         """Whether no demonstration of it exists: it is solved with what was learned from others."""
-        return bool(self.goal_of)
+        return bool(self.goal_of or self.goal_at)
 
 
-TASKS: dict[str, TaskSpec] = {
-    spec.name: spec
-    for spec in (
-        TaskSpec("OpenSingleDoor", _open_door, _opened),
-        TaskSpec("CloseSingleDoor", _close_door, _shut),
-        TaskSpec("PnPCabToCounter", _cab_to_counter, _on_counter),
-        TaskSpec("PnPCounterToCab", _counter_to_cab, _in_cabinet),
-        TaskSpec("OpenDrawer", _with_part("drawer"), _opened),
-        TaskSpec("CloseDrawer", _with_part("drawer", 0.14, 0.185), _shut),
-        TaskSpec("TurnOnStove", _with_part("knob"), _opened),
-        TaskSpec("TurnOffStove", _with_part("knob", 1.45, 1.75), _shut),
-        TaskSpec("TurnOnSinkFaucet", _with_part("lever"), _opened),
-        TaskSpec("TurnOffSinkFaucet", _with_part("lever", 1.1, 1.35), _shut),
-        TaskSpec(
-            "StoreCheese",
-            _store_cheese,
-            lambda physics, episode: _on_counter(physics, episode) and is_shut(physics, "door"),
-            goal_of=("PnPCabToCounter", "CloseSingleDoor"),
-        ),
-    )
-}
+def _opened(physics: Physics, focus: tuple[str, ...]) -> bool:
+    return is_open(physics, focus[0])
+
+
+def _shut(physics: Physics, focus: tuple[str, ...]) -> bool:
+    return is_shut(physics, focus[0])
+
+
+def _on_counter(physics: Physics, focus: tuple[str, ...]) -> bool:
+    return on_counter(physics, focus[0]) and let_go(physics, focus[0])
+
+
+def _in_cabinet(physics: Physics, focus: tuple[str, ...]) -> bool:
+    return in_cabinet(physics, focus[0]) and let_go(physics, focus[0])
+
+
+def _in_dish(physics: Physics, focus: tuple[str, ...]) -> bool:
+    return inside(physics, focus[0], focus[2]) and let_go(physics, focus[0])
+
+
+ATOMIC = (
+    TaskSpec("OpenSingleDoor", _with_part("door"), _opened),
+    TaskSpec("CloseSingleDoor", _with_part("door", door_deg=(75.0, 100.0)), _shut),
+    TaskSpec("PnPCabToCounter", _food("cabinet", "counter", (85.0, 105.0)), _on_counter),
+    TaskSpec("PnPCounterToCab", _food("counter", "cabinet", (85.0, 105.0)), _in_cabinet),
+    TaskSpec("PnPStoveToCounter", _food("pan", "plate"), _in_dish),
+    TaskSpec("PnPCounterToStove", _food("plate", "pan"), _in_dish),
+    TaskSpec("OpenDrawer", _with_part("drawer"), _opened),
+    TaskSpec("CloseDrawer", _with_part("drawer", 0.14, 0.185), _shut),
+    TaskSpec("TurnOnStove", _with_part("knob"), _opened),
+    TaskSpec("TurnOffStove", _with_part("knob", 1.45, 1.75), _shut),
+    TaskSpec("TurnOnSinkFaucet", _with_part("lever"), _opened),
+    TaskSpec("TurnOffSinkFaucet", _with_part("lever", 1.1, 1.35), _shut),
+)
+_BY_NAME = {spec.name: spec for spec in ATOMIC}
+
+
+def _composed(
+    name: str, draw: Callable[[Generator], Episode], *goals: tuple[str, tuple[str, ...]], scene: SceneLayout = KITCHEN
+) -> TaskSpec:
+    """A task whose goal is that of several atomic tasks, each about its own objects."""
+
+    def judge(physics: Physics, _focus: tuple[str, ...]) -> bool:
+        return all(_BY_NAME[task].judge(physics, about) for task, about in goals)
+
+    return TaskSpec(name, draw, judge, "composed", scene, goal_of=goals)
+
+
+COMPOSED = (
+    _composed(
+        "StoreCheese",
+        _cheese("cabinet"),
+        ("PnPCabToCounter", ("cheese", "cabinet", "counter")),
+        ("CloseSingleDoor", ("door", "cabinet")),
+    ),
+    _composed(
+        "PutCheeseAway",
+        _cheese("counter"),
+        ("PnPCounterToCab", ("cheese", "counter", "cabinet")),
+        ("CloseSingleDoor", ("door", "cabinet")),
+    ),
+)
+
+
+def _tidy(physics: Physics, _focus: tuple[str, ...]) -> bool:
+    """Every thing lies in a dish, the lid on the pan or in the rack, and the hand is away from all of them."""
+    dishes, things = PLAY.of_type("cookware", "drawer", "container"), PLAY.of_type("thing")
+    stowed = all(any(inside(physics, thing, dish) for dish in dishes) for thing in things)
+    lid = covers(physics, "lid", "pan") or in_rack(physics, "lid", "dish-rack")
+    return stowed and lid and all(let_go(physics, name) for name in (*things, "lid"))
+
+
+def _arranged(*goals: tuple[str, str]) -> Callable[[Physics, tuple[str, ...]], bool]:
+    """What is to be where is there, and let go of."""
+
+    def there(physics: Physics, name: str, where: str) -> bool:
+        if name != "lid":
+            return inside(physics, name, where)
+        return covers(physics, name, where) if where == "pan" else in_rack(physics, name, where)
+
+    return lambda physics, _focus: all(there(physics, *goal) and let_go(physics, goal[0]) for goal in goals)
+
+
+def _play_goal(name: str, draw: Callable[[Generator], Episode], *goals: tuple[str, str]) -> TaskSpec:
+    return TaskSpec(name, draw, _arranged(*goals), "play goal", PLAY, goal_at=goals)
+
+
+PLAYING = (
+    TaskSpec("Play", _play(), _tidy, "play", PLAY),
+    _play_goal("PlayServe", _play("pan", block="pan", bread="red-plate"), ("block", "white-plate")),
+    _play_goal("PlayCookAndCover", _play("pan", block="red-plate", bread="white-plate"), ("bread", "pan"), ("lid", "pan")),
+    _play_goal(
+        "PlaySwap",
+        _play("pan", block="pan", bread="white-plate"),
+        ("block", "red-plate"), ("bread", "pan"), ("lid", "pan"),
+    ),
+)  # fmt: skip
+
+TASKS: dict[str, TaskSpec] = {spec.name: spec for spec in (*ATOMIC, *COMPOSED, *PLAYING)}
 
 
 def task_named(name: str) -> TaskSpec:

@@ -46,14 +46,14 @@ class TruthLog:
     def _look(self, scene: Scene) -> None:
         self._scenes.append(scene)
         self._contacts.append(self._physics.contacts())
-        self._positions.append({part: self._physics.position(part) for part in layout.PARTS})
+        self._positions.append({part: self._physics.position(part) for part in self._physics.scene.parts})
 
     def truth(self) -> Truth:
         """Moves and relations so far, on a clock that starts with the first scene."""
-        loose = self._physics.loose
-        moves = [move for obj in (*layout.PARTS, *loose) for move in self._moves(obj)]
+        loose, parts = self._physics.loose, self._physics.scene.parts
+        moves = [move for obj in (*parts, *loose) for move in self._moves(obj)]
         relations: dict[Relation, Mask] = {}
-        for name, part in layout.PARTS.items():
+        for name, part in parts.items():
             positions = np.array([p[name] for p in self._positions])
             relations["open", name, part.unit] = positions >= part.opened
             relations["shut", name, part.unit] = positions <= part.shut

@@ -12,8 +12,9 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.kitchen import arm, layout
 from symskill_pddl.kitchen.disturbances import Disturbance, Running
+from symskill_pddl.kitchen.episode import Episode
 from symskill_pddl.kitchen.physics import Physics
-from symskill_pddl.kitchen.tasks import Episode, TaskSpec, food_pose, task_named
+from symskill_pddl.kitchen.tasks import TaskSpec, task_named
 from symskill_pddl.scene import Command, Scene
 
 PHYSICS_STEPS = 25
@@ -53,13 +54,13 @@ class Kitchen:
         self.spec, self.episode, self.physics = spec, episode, physics
         disturbances = tuple(disturbances)
         for disturbance in disturbances:
-            disturbance.check(layout.TYPES)
+            disturbance.check(spec.scene.types)
         self._disturbances = tuple(Running(disturbance, seed, i) for i, disturbance in enumerate(disturbances))
         self._added = {name: kind for disturbance in disturbances for name, kind in disturbance.kind.adds.items()}
         self.events: list[tuple[float, str]] = []
         self.watchers: list[Callable[[Scene], None]] = []
         self.views: list[Callable[[Pose], Pose]] = []
-        self.extents = layout.EXTENTS | {kind: layout.ADDED_EXTENTS[kind] for kind in self._added.values()}
+        self.extents = spec.scene.extents | {kind: layout.ADDED_EXTENTS[kind] for kind in self._added.values()}
         self.forced_open = False
         self._closed = False
         self.ms: dict[str, float] = {}
@@ -96,7 +97,7 @@ class Kitchen:
             T_world_ee=self.physics.T_world_ee(),
             aperture=self.physics.aperture,
             gripper_closed=self._closed,
-            objects=layout.TYPES | self._added,
+            objects=self.spec.scene.types | self._added,
             T_world_objects=T_world_objects,
         )
 
@@ -125,7 +126,7 @@ class Kitchen:
 
     def succeeded(self) -> bool:
         """The judge, on the simulator's own state."""
-        return self.spec.judge(self.physics, self.episode)
+        return self.spec.judge(self.physics, self.episode.focus)
 
 
 def _limited(twist: Array) -> Array:
@@ -146,7 +147,7 @@ def make(task: str, seed: int, disturbances: Iterable[Disturbance] = ()) -> Kitc
     """
     spec = task_named(task)
     rng = default_rng(seed)
-    physics = Physics()
+    physics = Physics(spec.scene)
     for _ in range(50):
         episode = spec.draw(rng)
         if _set_up(physics, episode):
@@ -161,19 +162,21 @@ def _set_up(physics: Physics, episode: Episode) -> bool:
         physics.set_unit(unit, shift)
     for part, position in episode.positions.items():
         physics.set_part(part, position)
-    for name, place in episode.foods.items():
-        physics.set_food(name, food_pose(name, place, episode.cabinet_shift))
+    poses = {name: episode.T_world(physics.scene, name) for name in episode.loose}
+    for name, T in poses.items():
+        physics.set_loose(name, T)
     start = arm.solve(physics, episode.T_start)
     if start is None:
         return False
     physics.set_arm(start)
     physics.forward()
-    if any(arm.solve(physics, T, start) is None for T in episode.must_reach(physics.T_world("door"))):
+    door = physics.T_world("door") if "door" in physics.scene.parts else None
+    if any(arm.solve(physics, T, start) is None for T in episode.must_reach(physics.scene, door)):
         return False
     for _ in range(20):
         physics.advance(np.zeros(6), False, PHYSICS_STEPS)
     physics.set_arm(start)
     physics.start_clock()
-    moved = (np.linalg.norm(physics.T_world(n).p - food_pose(n, at, episode.cabinet_shift).p) for n, at in episode.foods.items())
+    moved = (np.linalg.norm(physics.T_world(name).p - T.p) for name, T in poses.items())
     turned = (abs(physics.position(part) - position) for part, position in episode.positions.items())
-    return bool(max(moved) < 0.01 and max(turned) < 0.02)
+    return bool(max(moved) < 0.01 and max(turned, default=0.0) < 0.02)

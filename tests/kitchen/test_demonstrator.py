@@ -66,9 +66,9 @@ def test_a_door_rests_ajar_between_two_contacts(task: str, last: float) -> None:
 
 
 def test_food_is_put_down_and_not_dropped() -> None:
-    for task in ("PnPCabToCounter", "PnPCounterToCab"):
+    for task in ("PnPCabToCounter", "PnPCounterToCab", "PnPStoveToCounter", "PnPCounterToStove"):
         demo = shown(task)
-        food = next(n for n in layout.FOODS if np.ptp(demo.pose(n).p, axis=0).max() > 0.1)
+        food = next(n for n in layout.KITCHEN.of_type("food") if np.ptp(demo.pose(n).p, axis=0).max() > 0.1)
         opens = np.flatnonzero(np.diff(demo.gripper_closed.astype(int)) < 0)[-1]
         p = demo.pose(food).p
         assert np.linalg.norm(p[opens] - p[-1]) < 0.015
@@ -89,7 +89,7 @@ def test_same_seed_same_bytes() -> None:
     assert a.T_world_objects.vector().tobytes() == b.T_world_objects.vector().tobytes()
 
 
-@pytest.mark.parametrize("name", layout.PARTS)
+@pytest.mark.parametrize("name", layout.KITCHEN.parts)
 def test_the_parts_of_the_demonstrator_are_the_kitchens(name: str) -> None:
     kitchen = make("CloseSingleDoor", 0)
     part = layout.PARTS[name]

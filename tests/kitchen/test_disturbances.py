@@ -67,7 +67,7 @@ def test_errors_say_what_exists(spec, message):
 @pytest.mark.parametrize("spec", ["freeze:plum@t=1", "shift:plum@t=1"])
 def test_what_the_scene_does_not_have_is_refused(spec):
     with pytest.raises(InputError, match="the scene has no 'plum'; it has: bread, cabinet, can") as error:
-        parse_disturbance(spec).check(layout.TYPES)
+        parse_disturbance(spec).check(layout.KITCHEN.types)
     assert "\n" not in str(error.value)
 
 
@@ -83,7 +83,7 @@ def hold(kitchen, seconds, close=False):
 
 def grasp_food(kitchen, lift=0.2):
     food = kitchen.focus[0]
-    yaw, pitch = kitchen.episode.foods[food].yaw, np.radians(78.0)
+    yaw, pitch = kitchen.episode.loose[food].yaw, np.radians(78.0)
     at = hand_pose(kitchen.observe().pose(food).p, yaw, pitch)
     servo(kitchen, Pose(at.p - at.rotate([0.0, 0.0, 0.12]), at.q), False, 40, speed=0.4)
     servo(kitchen, at, False, 30)

@@ -40,8 +40,8 @@ def _for_a_while(kitchen: Kitchen, effect: Doing) -> Doing:
             yield
 
 
-def _with_food(focus: tuple[str, ...]) -> bool:
-    return any(name in layout.FOODS for name in focus)
+def _with_something_loose(focus: tuple[str, ...]) -> bool:
+    return any(name in scene.loose for scene in layout.SCENES.values() for name in focus)
 
 
 def _closes(name: str, part: layout.Part) -> Kind:
@@ -53,8 +53,8 @@ def _closes(name: str, part: layout.Part) -> Kind:
 ANY = "any"
 KINDS: dict[str, Kind] = {
     **{f"close-{name}": _closes(name, part) for name, part in layout.PARTS.items()},
-    "drop": Kind(drop, {"s": 0.5}, concerns=_with_food),
-    "shift": Kind(shift, {"m": 0.05}, nameable=True, concerns=_with_food),
+    "drop": Kind(drop, {"s": 0.5}, concerns=_with_something_loose),
+    "shift": Kind(shift, {"m": 0.05}, nameable=True, concerns=_with_something_loose),
     "push": Kind(push, {"N": 20.0, "s": 0.5}),
     layout.OBSTACLE: Kind(obstacle, {"m": 0.18, "s": 5.0}, adds={layout.OBSTACLE: layout.OBSTACLE}),
     "freeze": Kind(freeze, {"s": 3.0}, nameable=True),
