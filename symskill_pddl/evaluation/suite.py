@@ -82,7 +82,6 @@ def _of_kind(*kinds: str) -> tuple[str, ...]:
     return tuple(name for name, task in TASKS.items() if task.kind in kinds)
 
 
-_COMPOSED = _of_kind("composed")
 _ALL = _of_kind("atomic", "composed")
 
 
@@ -93,11 +92,11 @@ def _concerned(kind: Kind) -> tuple[str, ...]:
 
 PRESETS = {
     "atomic": Preset(_of_kind("atomic")),
-    "composed": Preset(_COMPOSED),
+    "composed": Preset(_of_kind("composed")),
     # for a library learned from play
     "play": Preset(_of_kind("play goal")),
     # when the fifth step starts the door has just been opened, and the hand is about to reach inside
-    "disturbed": Preset(_COMPOSED, ("close-door@op=4",)),
+    "disturbed": Preset(("StoreCheese",), ("close-door@op=4",)),
     # each disturbance once, at a moment that is drawn, in every task that it concerns
     **{name: Preset(_concerned(kind), (f"{name}@p=0.02x1",)) for name, kind in KINDS.items() if name != ANY},
     # one of all, every ten seconds on average
