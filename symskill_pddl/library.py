@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from symskill_pddl.abstraction import Classifier, GripperRule
 from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.skills import Skill
-from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, Operator, Parameter, Predicate, Type
+from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, Operator, Parameter, Predicate, Problem, Type
+
+if TYPE_CHECKING:
+    from symskill_pddl.planning.unified import Unified
 
 INDEX, SKILLS, DEMOS = "library.json", "skills", "demos"
 SCHEMA_VERSION = 1
@@ -115,6 +119,15 @@ class Library:
             for variable, type_ in zip(atom.args, types.get(atom.predicate, ()), strict=True):
                 parameters.setdefault(variable, Parameter(variable, type_))
         return replace(learned.operator, parameters=tuple(parameters.values()), pre=learned.strict_pre, absent=frozenset())
+
+    def to_unified_planning(self, problem: Problem | None = None, *, dialect: str = "negative", name: str = "learned") -> Unified:
+        """The domain, with a problem of it, as an object of unified-planning, and the names that lead back.
+
+        Parameters and errors as of `planning.to_unified_planning`, to which this is the one way up from this room.
+        """
+        from symskill_pddl.planning.unified import to_unified_planning
+
+        return to_unified_planning(self.domain(name), problem, dialect=dialect)
 
     def save(self, path: str | Path) -> None:
         """Write the folder `path`: `library.json`, `skills/*.npz`, `demos/*.hdf5`; same library, same bytes.

@@ -11,7 +11,7 @@ import warnings
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import Any, NamedTuple
 
 from symskill_pddl.errors import InputError, MissingDependencyError, alternatives
 from symskill_pddl.pddl.export import write_domain, write_problem
@@ -41,7 +41,16 @@ def engines() -> tuple[str, ...]:
         return tuple(sorted(name for name in factory.engines if factory.engine(name).is_oneshot_planner()))
 
 
-def to_unified_planning(domain: Domain, problem: Problem | None = None, *, dialect: str = "negative") -> tuple[Any, Names]:
+class Unified(NamedTuple):
+    """An object of unified-planning, and the way back."""
+
+    problem: Any
+    """A `unified_planning.model.Problem`."""
+    names: Names
+    """From our names to those in the object; ``names.inverse().plan(...)`` brings a plan back."""
+
+
+def to_unified_planning(domain: Domain, problem: Problem | None = None, *, dialect: str = "negative") -> Unified:
     """The domain, with a problem of it, as an object of unified-planning.
 
     Parameters
@@ -53,10 +62,8 @@ def to_unified_planning(domain: Domain, problem: Problem | None = None, *, diale
 
     Returns
     -------
-    unified_planning.model.Problem
-    Names
-        From our names to those in the object, which are PDDL names; ``names.inverse().plan(...)`` brings a plan back. Where
-        every name is a PDDL name already, nothing is renamed.
+    Unified
+        Its names are PDDL names; where ours are already, nothing is renamed.
 
     Raises
     ------
@@ -71,7 +78,7 @@ def to_unified_planning(domain: Domain, problem: Problem | None = None, *, diale
     exported = names.domain(domain)
     texts = [write_domain(exported, dialect=dialect), write_problem(names.problem(whole), exported, dialect=dialect)]
     reader = import_module("unified_planning.io").PDDLReader()
-    return (reader.parse_problem_string(*texts) if problem else reader.parse_problem_string(texts[0])), names
+    return Unified(reader.parse_problem_string(*(texts if problem else texts[:1])), names)
 
 
 @dataclass(frozen=True)

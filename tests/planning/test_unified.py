@@ -2,11 +2,16 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
-from random_domains import covered_egg, kitchen
+from random_domains import atoms, covered_egg, kitchen
 
+from symskill_pddl.abstraction import Classifier
+from symskill_pddl.geometry import Pose
+from symskill_pddl.library import LearnedOperator, Library
 from symskill_pddl.planning import Builtin, to_unified_planning
-from symskill_pddl.symbols import Operator, Predicate, Type, validate
+from symskill_pddl.scene import GRIPPER
+from symskill_pddl.symbols import Atom, Operator, Parameter, Predicate, Problem, Type, validate
 
 plans = pytest.importorskip("unified_planning.plans", reason="unified-planning is not installed")
 shortcuts = pytest.importorskip("unified_planning.shortcuts", reason="unified-planning is not installed")
@@ -67,3 +72,22 @@ def test_names_that_are_not_legal_come_back():
     back = names.inverse().plan(names.plan(plan))
     assert back == plan
     validate(domain, problem, back)
+
+
+def test_a_library_offers_it_too():
+    gripper = Classifier(Predicate("Holds Egg", ("egg",)), GRIPPER, "egg", Pose.identity(), np.eye(3), np.eye(3), 1.0, 1.0)
+    take = Operator("3 Take!", (Parameter("?egg", "egg"),), atoms("gripper-open"), frozenset(), atoms("gripper-open"))
+    take = replace(take, add=frozenset({Atom("Holds Egg", ("?egg",))}))
+    library = Library((Type("egg"),), (gripper,), (LearnedOperator(take, take.pre, "", "pick", (), (1.0, 1.0)),), {})
+    problem = Problem("p", "learned", (("Egg", "egg"),), atoms("gripper-open"), frozenset({Atom("Holds Egg", ("Egg",))}))
+    theirs, names = library.to_unified_planning(problem)
+    assert [a.name for a in theirs.actions] == ["x3-take"]
+    plan = names.plan(Builtin().solve(library.domain(), problem).unwrap())
+    assert plan.steps == (("x3-take", ("egg-1",)),)
+    step = plans.ActionInstance(
+        theirs.action("x3-take"), [theirs.environment.expression_manager.ObjectExp(theirs.object("egg-1"))]
+    )
+    with shortcuts.PlanValidator(problem_kind=theirs.kind) as validator:
+        assert validator.validate(theirs, plans.SequentialPlan([step]))
+    assert names.inverse().plan(plan).steps == (("3 Take!", ("Egg",)),)
+    assert library.to_unified_planning(dialect="temporal").problem.actions[0].duration.lower.constant_value() == 1
