@@ -175,8 +175,6 @@ class OutcomeLine(_Line):
     time: float
     success: bool
     category: str
-    cause: str = ""
-    """Of a failure, as `causes.Cause`."""
     reason: str
     replans: int
     recoveries: int

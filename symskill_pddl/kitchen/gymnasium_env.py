@@ -91,7 +91,7 @@ class KitchenEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._camera_name = camera
         self._camera: Camera | None = None
         self._kitchen: Kitchen | None = None
-        names = make(task, 0).observe().objects
+        names = make(task, 0, disturbances).observe().objects
         self.observation_space = spaces.Dict(
             {
                 "gripper": _poses(),

@@ -52,12 +52,10 @@ def _mesh(name: str, thing: Loose, shape: Mesh) -> Any:
     return item
 
 
-def _mjcf(scene: SceneLayout) -> str:
-    """The whole scene as one MJCF document."""
+def task_model(scene: SceneLayout, robot: Any) -> Any:
+    """A robosuite `ManipulationTask` of a scene with a robosuite model of a Panda, its hand mounted, in front of it."""
     load_robosuite()
     from robosuite.models.arenas import EmptyArena
-    from robosuite.models.grippers import PandaGripper
-    from robosuite.models.robots import Panda
     from robosuite.models.tasks import ManipulationTask
 
     class KitchenArena(EmptyArena):  # type: ignore[misc]
@@ -76,25 +74,40 @@ def _mjcf(scene: SceneLayout) -> str:
             for name, part in scene.parts.items():
                 self.contact.append(ET.Element("exclude", body1=part.unit, body2=name))
 
-    robot = Panda(0)
-    robot.add_gripper(PandaGripper("0_right"))
     meshes = [_mesh(name, thing, thing.shape) for name, thing in scene.loose.items() if isinstance(thing.shape, Mesh)]
-    root = ManipulationTask(KitchenArena(), [robot], meshes).root
-    for geom in root.iter("geom"):
+    task = ManipulationTask(KitchenArena(), [robot], meshes)
+    for geom in task.root.iter("geom"):
         # arm links meet the world and the hand but not each other (a fifth of the time, for joint limits do the same)
         if geom.get("name", "").startswith("robot0_link") and geom.get("group") == "0":
             geom.attrib.update(contype="0", conaffinity="1")
-    grip = next(body for body in root.iter("body") if body.get("name") == "gripper0_right_eef")
+    grip = next(body for body in task.root.iter("body") if body.get("name") == "gripper0_right_eef")
     # the grip point with y along the opening of the fingers
     ET.SubElement(grip, "site", name=EE_SITE, pos="0 0 0", quat="0.70710678 0 0 -0.70710678", size="0.003", rgba="0 0 0 0")
-    text = ET.tostring(root, encoding="unicode")
-    return str(text)
+    return task
+
+
+def _mjcf(scene: SceneLayout) -> str:
+    """The whole scene as one MJCF document."""
+    load_robosuite()
+    from robosuite.models.grippers import PandaGripper
+    from robosuite.models.robots import Panda
+
+    robot = Panda(0)
+    robot.add_gripper(PandaGripper("0_right"))
+    return str(ET.tostring(task_model(scene, robot).root, encoding="unicode"))
 
 
 @lru_cache
 def _compiled(scene: SceneLayout) -> Any:
     mujoco = load_mujoco()
     model = mujoco.MjModel.from_xml_string(_mjcf(scene))
+    tune(scene, model)
+    return model
+
+
+def tune(scene: SceneLayout, model: Any) -> None:
+    """Set what the documents of robosuite's parts leave to the defaults: solver, drives, and which shapes are drawn."""
+    mujoco = load_mujoco()
     model.opt.timestep = 0.002
     model.opt.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     model.opt.impratio = 5.0
@@ -115,7 +128,6 @@ def _compiled(scene: SceneLayout) -> Any:
         model.actuator_ctrlrange[actuator] = (-0.02, 0.04) if i == 0 else (-0.04, 0.02)
         model.actuator_forcerange[actuator] = (-FINGER_FORCE, FINGER_FORCE)
         model.dof_damping[model.joint(name).dofadr[0]] = 60.0
-    return model
 
 
 def scene_model(scene: SceneLayout) -> Any:

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from time import perf_counter
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from symskill_pddl.control import PassiveController
 from symskill_pddl.errors import InputError
@@ -33,6 +34,7 @@ class Physics:
     ----------
     scene : SceneLayout
     model, data : mujoco.MjModel, mujoco.MjData
+        Those given, else new ones.
     controller : PassiveController
     bodies : dict of str to int
         MuJoCo's body of every object.
@@ -46,11 +48,18 @@ class Physics:
         Wall-clock time of the controller in the last `advance` [s].
     """
 
-    def __init__(self, scene: SceneLayout = layout.KITCHEN, controller: PassiveController | None = None) -> None:
+    def __init__(
+        self,
+        scene: SceneLayout = layout.KITCHEN,
+        controller: PassiveController | None = None,
+        *,
+        model: Any = None,
+        data: Any = None,
+    ) -> None:
         self._mj = load_mujoco()
         self.scene = scene
-        self.model = scene_model(scene)
-        self.data = self._mj.MjData(self.model)
+        self.model = scene_model(scene) if model is None else model
+        self.data = self._mj.MjData(self.model) if data is None else data
         self.controller = controller or PassiveController()
         self.loads: list[Callable[[], None]] = []
         self.controller_s = 0.0
@@ -76,8 +85,12 @@ class Physics:
         self._motors = np.array([actuator(n.replace("robot0_joint", "robot0_torq_j")).id for n in ARM_JOINTS])
         self._fingers = np.array([actuator(f"gripper0_right_gripper_finger_joint{i}").id for i in (1, 2)])
         self.arm_range: Array = np.array([joint(name).range for name in ARM_JOINTS])
-        nv = self.model.nv
-        self._J, self._M = np.zeros((6, nv)), np.zeros((nv, nv))
+        # the arm's own rows: views of the simulator's arrays, and where its mass matrix lies in the sparse one
+        data, (q, v, u) = self.data, (_span(ids) for ids in (self._arm_q, self._arm_v, self._motors))
+        self._arm = data.qpos[q], data.qvel[v], data.qfrc_bias[v], data.ctrl[u]
+        self._all_J = np.zeros((6, self.model.nv))
+        self._J, self._M = self._all_J[:, v], np.zeros((len(ARM_JOINTS), len(ARM_JOINTS)))
+        self._M_at = _mass_entries(self.model, self._arm_v)
 
     # --- reading the state
 
@@ -198,8 +211,8 @@ class Physics:
 
     def jacobian(self) -> Array:
         """Jacobian (6, 7) of the end-effector frame, linear rows first, world axes."""
-        self._mj.mj_jacSite(self.model, self.data, self._J[:3], self._J[3:], self._site)
-        return np.ascontiguousarray(self._J[:, self._arm_v])
+        self._mj.mj_jacSite(self.model, self.data, self._all_J[:3], self._all_J[3:], self._site)
+        return np.ascontiguousarray(self._J)
 
     def kinematics(self) -> None:
         """Recompute poses only (for inverse kinematics)."""
@@ -211,8 +224,8 @@ class Physics:
     def advance(self, twist: Array, close_gripper: bool, steps: int) -> None:
         """Run physics steps with the arm tracking `twist` (6,) and the fingers driven shut or open."""
         mj, model, data = self._mj, self.model, self.data
-        dt, torques, arm_v = model.opt.timestep, self.controller.torques, self._arm_v
-        block = np.ix_(arm_v, arm_v)
+        dt, torques, jacobian = model.opt.timestep, self.controller.torques, self.jacobian
+        (q, qd, bias, motors), M, M_at, qM = self._arm, self._M, self._M_at, data.qM
         data.ctrl[self._fingers] = _CLOSED if close_gripper else _OPEN
         self._unload()
         self.controller_s = 0.0
@@ -223,11 +236,8 @@ class Physics:
                 for load in self.loads:
                     load()
             begin = perf_counter()
-            mj.mj_fullM(model, self._M, data.qM)
-            M = np.ascontiguousarray(self._M[block])
-            data.ctrl[self._motors] = torques(
-                data.qpos[self._arm_q], data.qvel[arm_v], self.jacobian(), M, data.qfrc_bias[arm_v], twist, dt
-            )
+            qM.take(M_at, out=M)
+            motors[:] = torques(q, qd, jacobian(), M, bias, twist, dt)
             self.controller_s += perf_counter() - begin
             mj.mj_step2(model, data)
         # poses belong to the state after the last step, not the one before it
@@ -236,3 +246,19 @@ class Physics:
     def _unload(self) -> None:
         self.data.qfrc_applied[:] = 0.0
         self.data.xfrc_applied[:] = 0.0
+
+
+def _span(ids: NDArray[np.int_]) -> slice:
+    """Indices that follow each other, as a slice, which makes a view."""
+    assert np.array_equal(ids, ids[0] + np.arange(len(ids))), ids
+    return slice(int(ids[0]), int(ids[-1]) + 1)
+
+
+def _mass_entries(model: Any, dofs: NDArray[np.int_]) -> NDArray[np.int_]:
+    """Where the mass matrix of a chain of joints, each moving the next, lies in the model's sparse one `qM` (n, n)."""
+    found = np.zeros((len(dofs), len(dofs)), dtype=int)
+    for i, dof in enumerate(dofs):
+        # a row holds a joint's own entry, then those of its ancestors, the nearest first
+        for back in range(i + 1):
+            found[i, i - back] = found[i - back, i] = model.dof_Madr[dof] + back
+    return found

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from time import perf_counter
 
 import numpy as np
-from numpy.random import default_rng
+from numpy.random import Generator, default_rng
 
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, Pose
@@ -146,13 +146,27 @@ def make(task: str, seed: int, disturbances: Iterable[Disturbance] = ()) -> Kitc
         robosuite, mujoco or a library they need is not installed.
     """
     spec = task_named(task)
-    rng = default_rng(seed)
     physics = Physics(spec.scene)
+    try:
+        episode = set_up(spec, physics, default_rng(seed))
+    except InputError as error:
+        raise InputError(f"{error}, seed {seed}") from None
+    return Kitchen(spec, episode, physics, disturbances, seed)
+
+
+def set_up(spec: TaskSpec, physics: Physics, rng: Generator) -> Episode:
+    """Draw an episode and put everything in its place.
+
+    Raises
+    ------
+    InputError
+        No episode within the arm's reach was drawn.
+    """
     for _ in range(50):
         episode = spec.draw(rng)
         if _set_up(physics, episode):
-            return Kitchen(spec, episode, physics, disturbances, seed)
-    raise InputError(f"task '{task}', seed {seed}: no episode within the arm's reach in 50 draws")
+            return episode
+    raise InputError(f"no episode within the arm's reach in 50 draws of task '{spec.name}'")
 
 
 def _set_up(physics: Physics, episode: Episode) -> bool:

@@ -8,8 +8,8 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.kitchen import TASKS, make
 from symskill_pddl.kitchen import gymnasium_env as module
+from symskill_pddl.kitchen import make
 from symskill_pddl.kitchen.gymnasium_env import ENV_ID, KitchenEnv
 from symskill_pddl.kitchen.world import MAX_RATE, MAX_SPEED
 
@@ -29,12 +29,12 @@ def test_gymnasium_itself_finds_no_fault(env):
         check_env(env.unwrapped, skip_render_check=True)
 
 
-def test_every_task_has_observations_of_its_space():
-    for task in TASKS:
-        env = KitchenEnv(task)
-        observation, info = env.reset(seed=1)
-        assert observation in env.observation_space
-        assert set(info["focus"]) <= set(observation["objects"])
+@pytest.mark.parametrize("task", ["PnPCounterToStove", "Play"])
+def test_observations_are_of_the_space_in_both_scenes(task):
+    env = KitchenEnv(task)
+    observation, info = env.reset(seed=1)
+    assert observation in env.observation_space
+    assert set(info["focus"]) <= set(observation["objects"])
 
 
 def test_a_seed_names_the_episode_and_one_action_the_command(env):

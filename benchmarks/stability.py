@@ -1,0 +1,196 @@
+"""Does the kitchen hold together whatever the robot does? Random bounded twists in every task, 20 s an episode.
+
+    OMP_NUM_THREADS=1 python benchmarks/stability.py [--seeds 100] [--seconds 20] [-o docs/benchmarks-kitchen.md]
+
+Every control step is checked: numbers finite, no warning of MuJoCo's, nothing loose inside the counter or the walls or out of
+the room. Some episodes are run a second time in another process, which has to go through the same states bit for bit. Exit
+status 1 if anything fails. About 20 minutes on one core.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from hashlib import sha256
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import numpy as np
+from page import PAGE, machine, write_section
+
+from symskill_pddl.kitchen import TASKS, make, task_named
+from symskill_pddl.kitchen.world import MAX_RATE, MAX_SPEED, Kitchen
+from symskill_pddl.scene import Command
+
+FIXED = ("counter", "room")
+"""Bodies that nothing may get into."""
+ROOM_M = np.array([[-2.0, -3.0, -0.95], [0.94, 3.0, 3.0]])
+"""Corners of the room: the wall behind the counter, the floor, and where a thing has no business on the other sides."""
+
+
+@dataclass
+class Shaken:
+    """What happened in one episode.
+
+    Attributes
+    ----------
+    digest : str
+        Of the positions and velocities at every control step.
+    faults : list of str
+        What went wrong, with its time.
+    deepest_m : float
+        How far anything was ever pressed into anything [m].
+    fallen : int
+        Things that lie on the floor at the end.
+    """
+
+    task: str
+    seed: int
+    digest: str = ""
+    faults: list[str] = field(default_factory=list)
+    deepest_m: float = 0.0
+    fallen: int = 0
+
+
+def commands(kitchen: Kitchen, rng: np.random.Generator, steps: int) -> Iterator[Command]:
+    """Twists up to the limits and fingers open or shut, each kept for 0.2 to 2 s.
+
+    Half of them go in any direction, half straight at some object: left to chance, the arm soon is where nothing can be hit.
+    """
+    while True:
+        direction = rng.normal(size=(2, 3))
+        if rng.random() < 0.5:
+            scene = kitchen.observe()
+            direction[0] = scene.T_world_objects.p[rng.integers(len(scene.objects))] - scene.T_world_ee.p
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        twist = np.concatenate(direction * rng.uniform(0.0, [[MAX_SPEED], [MAX_RATE]]))
+        closing = bool(rng.random() < 0.5)
+        for _ in range(int(rng.integers(4, 41))):
+            if steps == 0:
+                return
+            steps -= 1
+            yield Command(twist, closing)
+
+
+def shake(task: str, seed: int, seconds: float) -> Shaken:
+    """Run one episode."""
+    kitchen = make(task, seed)
+    physics, data, found, told = kitchen.physics, kitchen.physics.data, Shaken(task, seed), set[str]()
+    digest, rng = sha256(), np.random.default_rng([seed, list(TASKS).index(task)])
+
+    def fault(what: str) -> None:
+        if what not in told:
+            told.add(what)
+            found.faults.append(f"{what} at {kitchen.time:.2f} s")
+
+    for command in commands(kitchen, rng, round(seconds / kitchen.period_s)):
+        kitchen.step(command)
+        digest.update(data.qpos.tobytes() + data.qvel.tobytes())
+        if not (np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all()):
+            fault("not a number")
+        for i, warning in enumerate(data.warning):
+            if warning.number:
+                fault(f"MuJoCo's warning {i}")
+        if data.ncon:
+            found.deepest_m = max(found.deepest_m, -float(data.contact.dist[: data.ncon].min()))
+        for name in physics.loose:
+            where = inside(physics, physics.T_world(name).p)
+            if where:
+                fault(f"{name} {where}")
+    found.digest = digest.hexdigest()
+    found.fallen = sum(float(physics.T_world(name).p[2]) < -0.5 for name in physics.loose)
+    return found
+
+
+def inside(physics: Any, p: Any) -> str:
+    """In what a point (3,) is that it could only get into through a surface, or ''."""
+    if np.any(p < ROOM_M[0]) or np.any(p > ROOM_M[1]):
+        return "out of the room"
+    for body in FIXED:
+        first = physics.model.body(body).geomadr[0]
+        for geom in range(first, first + physics.model.body(body).geomnum[0]):
+            R = physics.data.geom_xmat[geom].reshape(3, 3)
+            if np.all(np.abs(R.T @ (p - physics.data.geom_xpos[geom])) < physics.model.geom_size[geom]):
+                return f"inside {physics.model.geom(geom).name}"
+    return ""
+
+
+def elsewhere(episodes: list[tuple[str, int, float]]) -> list[str]:
+    """The digests of episodes that another process runs."""
+    call = [sys.executable, __file__, "--digests", json.dumps(episodes)]
+    return subprocess.run(call, capture_output=True, text=True, check=True).stdout.split()
+
+
+def page(found: list[Shaken], repeated: dict[tuple[str, int], bool], seconds: float, hours: float) -> str:
+    """The section."""
+    tasks = list(dict.fromkeys(s.task for s in found))
+    seeds = len(found) // len(tasks)
+
+    def row(task: str) -> str:
+        mine = [s for s in found if s.task == task]
+        faults = [f for s in mine for f in s.faults]
+        counts = [sum(text in f for f in faults) for text in ("not a number", "warning", "inside", "out of the room")]
+        again = [same for (name, _), same in repeated.items() if name == task]
+        deepest = 1e3 * max(s.deepest_m for s in mine)
+        cells = (task, len(mine), *counts, f"{deepest:.1f}", sum(s.fallen for s in mine), f"{sum(again)} of {len(again)}")
+        return f"| {' | '.join(map(str, cells))} |"
+
+    faulty = [f"- {s.task}, seed {s.seed}: {fault}" for s in found for fault in s.faults]
+    return "\n".join(
+        [
+            "## Stability",
+            "",
+            f"Written by `python benchmarks/stability.py --seeds {seeds} --seconds {seconds:g}` on {machine()}:",
+            f"{len(tasks)} tasks x {seeds} seeds x {seconds:g} s, {hours:.1f} hours on the robots' clocks. Twists are random, up",
+            f"to {MAX_SPEED} m/s and {MAX_RATE:g} rad/s, each kept for 0.2 to 2 s, half of them straight at some object; the",
+            "fingers open and close. Checked at every control step. Things may be knocked off the counter onto the floor. The",
+            "last column counts episodes that went through the same states, bit for bit, in a second process.",
+            "",
+            "| task | episodes | not a number | MuJoCo warnings | in counter or wall | out of the room | deepest contact [mm] "
+            "| things on the floor | same again |",
+            "|---|---|---|---|---|---|---|---|---|",
+            *map(row, tasks),
+            *(["", "Faults:", "", *faulty] if faulty else []),
+        ]
+    )
+
+
+def main() -> int:
+    """Run the episodes and write the section."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--tasks", help="names separated by commas; otherwise the atomic tasks and play")
+    parser.add_argument("--seeds", type=int, default=100)
+    parser.add_argument("--seconds", type=float, default=20.0)
+    parser.add_argument("--again", type=int, default=2, help="episodes per task that are run in a second process")
+    parser.add_argument("-o", "--output", type=Path, default=PAGE)
+    parser.add_argument("--digests", help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.digests:
+        print(*(shake(*episode).digest for episode in json.loads(arguments.digests)), sep="\n")
+        return 0
+    names = arguments.tasks.split(",") if arguments.tasks else [t for t, s in TASKS.items() if s.kind in ("atomic", "play")]
+    tasks = [task_named(name).name for name in names]
+    found: list[Shaken] = []
+    for task in tasks:
+        begin = process_time()
+        found += [shake(task, seed, arguments.seconds) for seed in range(arguments.seeds)]
+        faults = [f"seed {s.seed}: {fault}" for s in found if s.task == task for fault in s.faults]
+        print(f"{task}: {len(faults)} faults, {process_time() - begin:.0f} s", *faults, sep="\n    ", flush=True)
+    again = [s for s in found if s.seed < arguments.again]
+    digests = elsewhere([(s.task, s.seed, arguments.seconds) for s in again])
+    repeated = {(s.task, s.seed): s.digest == digest for s, digest in zip(again, digests, strict=True)}
+    write_section("stability", page(found, repeated, arguments.seconds, len(found) * arguments.seconds / 3600), arguments.output)
+    print(f"{arguments.output}: written")
+    return int(any(s.faults for s in found) or not all(repeated.values()))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
