@@ -27,7 +27,7 @@ MOVE_M, MOVE_RAD = 0.01, float(np.radians(5.0))
 GAP_S = 0.25
 """Rests shorter than this, or with the hand on the object and its fingers as they were, are pauses of one move."""
 REST_S = 0.5
-"""What an object touched most over this long before or after a move is what it rested at."""
+"""What an object lay on most over this long before or after a move is what it rested at."""
 
 Mask = NDArray[np.bool_]
 
@@ -74,7 +74,7 @@ class TruthLog:
         moving = _differs(T[1:], T[:-1], STILL_M, STILL_RAD)
         touched = np.array([(obj, ROBOT) in pairs or (ROBOT, obj) in pairs for pairs in self._contacts])
         found = []
-        for a, b in self._runs(np.concatenate([[False], moving]), touched):
+        for a, b in self._runs(T, np.concatenate([[False], moving]), touched):
             # a: still at the old place; b: at the new one already
             far = np.flatnonzero(_differs(T[a : b + 1], T[a], MOVE_M, MOVE_RAD))
             if not _differs(T[b], T[a], MOVE_M, MOVE_RAD) or not touched[a : b + 1].any() or not len(far):
@@ -97,26 +97,32 @@ class TruthLog:
             )
         return found
 
-    def _runs(self, moving: Mask, touched: Mask) -> list[tuple[int, int]]:
+    def _runs(self, T: Pose, moving: Mask, touched: Mask) -> list[tuple[int, int]]:
         """(last sample before, first sample after) of each move, pauses closed."""
         edges = np.flatnonzero(np.diff(np.concatenate([[False], moving, [False]]).astype(np.int8))).tolist()
         closed = np.array([scene.gripper_closed for scene in self._scenes])
-        joined: list[tuple[int, int]] = []
+        chains: list[list[tuple[int, int]]] = []
         for a, b in zip(edges[::2], edges[1::2], strict=True):
-            if joined:
-                last = joined[-1][1]
-                held = touched[last:a].all() and len(set(closed[last : a + 1].tolist())) == 1
-                if held or (a - last) * self._period_s < GAP_S:
-                    joined[-1] = (joined[-1][0], b)
-                    continue
-            joined.append((a, b))
-        return [(a - 1, min(b, len(moving) - 1)) for a, b in joined]
+            run = a - 1, min(b, len(moving) - 1)
+            last = chains[-1][-1][1] if chains else -len(moving)
+            held = last >= 0 and touched[last:a].all() and len(set(closed[last : a + 1].tolist())) == 1
+            if held or (a - last) * self._period_s < GAP_S:
+                chains[-1].append(run)
+            else:
+                chains.append([run])
+        found = []
+        for chain in chains:  # a nudge before or after a move is none of it
+            kept = [(a, b) for a, b in chain if _differs(T[b], T[a], MOVE_M, MOVE_RAD)] or chain
+            found.append((kept[0][0], kept[-1][1]))
+        return found
 
     def _rested_at(self, obj: str, k: int, way: int) -> str | None:
         if obj in layout.PARTS:
             return layout.PARTS[obj].unit
-        last = k + way * round(REST_S / self._period_s)
-        span = range(max(min(k, last), 0), min(max(k, last) + 1, len(self._scenes)))
+        # a hand that closes on an object may lift it a little before it moves it
+        step, n = round(REST_S / self._period_s), len(self._scenes)
+        lies = next((i for i in range(k, n if way > 0 else -1, way) if self._under(obj, i)), k)
+        span = range(max(min(lies, lies + way * step), 0), min(max(lies, lies + way * step) + 1, n))
         counts = Counter(ref for i in span for ref in self._under(obj, i))
         return max(sorted(counts), key=lambda ref: counts[ref], default=None)
 

@@ -27,6 +27,8 @@ class ArticulationConfig:
     min_slide_m: float = 0.03
     steep_rad: float = float(np.radians(35.0))
     """A single straight motion nearer to the vertical than this is a lift, not a slide."""
+    agree_rad: float = float(np.radians(12.0))
+    """Joints of single motions are one joint if their axes lie within this of their mean (trackers are not exact)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,12 +73,36 @@ def fit_joint(motions: Sequence[Pose], config: ArticulationConfig | None = None)
     spread, axes = np.linalg.eigh(centred.T @ centred / len(centred))
     reach = float(np.ptp(turns @ axes[:, -1]))
     if reach >= config.min_turn_rad:
-        if np.sqrt(spread[0] + spread[1]) > config.max_off_axis_rad:
+        if np.sqrt(max(spread[0] + spread[1], 0.0)) > config.max_off_axis_rad:
             return None
         return _hinge(poses, _signed(axes[:, -1]), config)
     if np.sqrt(spread.sum()) > config.max_off_axis_rad:
         return None
     return _slide(poses, len(motions), config)
+
+
+def agreed_joint(motions: Sequence[Pose], config: ArticulationConfig | None = None) -> Joint | None:
+    """The joint that all motions share, or else the mean of the joints of single motions, if nearly all agree on its axis.
+
+    Each recording sees an object with a constant error of its own, which shifts the joint and leaves it a joint.
+    """
+    config = config or ArticulationConfig()
+    shared = fit_joint(motions, config)
+    if shared is not None:
+        return shared
+    alone = [joint for motion in motions if (joint := fit_joint([motion], config)) is not None]
+    kinds = [joint.kind for joint in alone]
+    kind = max(("hinge", "slide"), key=kinds.count)
+    alone = [joint for joint in alone if joint.kind == kind]
+    if len(alone) < 0.8 * len(motions):
+        return None
+    axes = np.array([joint.axis * np.sign(joint.axis @ alone[0].axis) for joint in alone])
+    axis = axes.mean(axis=0) / np.linalg.norm(axes.mean(axis=0))
+    if np.median(np.arccos(np.clip(axes @ axis, -1.0, 1.0))) > config.agree_rad:
+        return None
+    point = np.median([joint.point for joint in alone], axis=0)
+    residual = float(np.sqrt(np.mean([joint.residual_m**2 for joint in alone])))
+    return Joint(kind, frozen(_signed(axis)), frozen(point), residual)
 
 
 def _hinge(poses: Pose, axis: Array, config: ArticulationConfig) -> Joint | None:

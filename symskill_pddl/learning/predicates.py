@@ -13,7 +13,7 @@ import numpy as np
 
 from symskill_pddl.demos import Demo
 from symskill_pddl.geometry import Pose
-from symskill_pddl.learning.articulation import Joint, fit_joint
+from symskill_pddl.learning.articulation import Joint, agreed_joint, fit_joint
 from symskill_pddl.learning.contacts import labelled
 from symskill_pddl.learning.places import cluster_pair
 from symskill_pddl.learning.references import Extents, Placement, place
@@ -87,7 +87,7 @@ def _joints(
         if at is not None:
             span = np.linspace(e.start, e.stop - 1, 25).astype(int)
             motions[at.types].append(e.demo.pose(at.ref)[span].inverse() @ e.demo.pose(at.rest.obj)[span])
-    fitted = {pair: fit_joint(ways, config.articulation) for pair, ways in sorted(motions.items())}
+    fitted = {pair: agreed_joint(ways, config.articulation) for pair, ways in sorted(motions.items())}
     return {pair: joint for pair, joint in fitted.items() if joint is not None}
 
 

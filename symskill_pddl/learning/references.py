@@ -47,6 +47,9 @@ class ReferenceConfig:
     minority: int = 1
     """Groups of at most this many guesses join a larger group if its type scores nearly as well."""
     nearly: float = 0.35
+    hinged_minority: float = 0.25
+    """Of what is hinged or slides, groups of less than this fraction of the guesses join a larger group in any case: all of a
+    type hang on one type."""
     answer_weight: float = 3.0
     """What another selector's answer adds to the score of the object that it names: more than all else together."""
 
@@ -119,7 +122,7 @@ def place(
             best = min(range(len(scores)), key=lambda k: (-scores[k], candidates.names[k]))
             groups[candidates.types[best]].append(i)
     guesses = [(demo.where, rest.obj, 0 if hinged else i) for i, (demo, rest) in enumerate(rests)]
-    groups = _absorbed(groups, guesses, found, table, config)
+    groups = _absorbed(groups, guesses, found, table, hinged, config)
     chosen: dict[int, Placement] = {}
     for members in groups.values():
         totals = _type_scores(members, found, table)
@@ -211,12 +214,14 @@ def _absorbed(
     guesses: Sequence[tuple[str, str, int]],
     found: Sequence[Candidates],
     table: Sequence[Array],
+    hinged: bool,
     config: ReferenceConfig,
 ) -> dict[str, list[int]]:
     """Tiny groups join the large group whose type explains them nearly as well: one odd guess is not another resting place."""
     # rests that were scored together are one guess
     size = {t: len({guesses[i] for i in m}) for t, m in groups.items()}
-    large = {t: list(m) for t, m in groups.items() if size[t] > config.minority or sum(size.values()) <= 3}
+    few = max(config.minority, config.hinged_minority * sum(size.values())) if hinged else config.minority
+    large = {t: list(m) for t, m in groups.items() if size[t] > few or sum(size.values()) <= 3 or size[t] == max(size.values())}
     result = {t: list(m) for t, m in large.items()}
     for type_, members in sorted(groups.items()):
         if type_ in large:
@@ -226,7 +231,7 @@ def _absorbed(
             fits = {}
             for t in large:
                 row = found[i].of_type(t, table[i])
-                if row is not None and own - table[i][row] <= config.nearly:
+                if row is not None and (hinged or own - table[i][row] <= config.nearly):
                     fits[t] = float(table[i][row])
             target = max(sorted(fits), key=lambda t: fits[t]) if fits else type_
             result.setdefault(target, []).append(i)

@@ -24,7 +24,7 @@ from scipy.signal import savgol_filter
 
 from symskill_pddl.demos import Demo
 from symskill_pddl.errors import LearningError
-from symskill_pddl.geometry import Array, Pose, karcher_mean, quat_conjugate, quat_multiply, rotation_distance
+from symskill_pddl.geometry import Array, Pose, karcher_mean, quat_conjugate, quat_log, quat_multiply, rotation_distance
 
 Mask = NDArray[np.bool_]
 
@@ -48,6 +48,10 @@ class SegmentConfig:
     settle_m: float = 0.005
     settle_rad: float = float(np.radians(2.0))
     """A slow end of a motion counts as motion until the object is this near to where it comes to rest."""
+    left_m: float = 0.002
+    left_rad: float = float(np.radians(0.5))
+    """An object has left its resting place once it is this far from it, and three times its pose's jitter, and has come to the
+    next one likewise."""
     min_shift_m: float = 0.01
     min_turn_rad: float = float(np.radians(5.0))
     away_m: float = 0.03
@@ -198,18 +202,30 @@ def motions(demo: Demo, config: SegmentConfig) -> list[Motion]:
             before, after = _pose_over(T, max(a - 5, 0), max(a, 1)), _pose_over(T, min(b, len(demo) - 1), min(b + 5, len(demo)))
             shift = float(np.linalg.norm(after.p - before.p))
             if shift >= config.min_shift_m or float(rotation_distance(before, after)) >= config.min_turn_rad:
-                found.append(Motion(obj, a, b))
+                start, stop = _bounds(T, a, b, before, after, config)
+                found.append(Motion(obj, start, stop if b == fast else b))  # where it creeps on, `after` is not yet its rest
     return sorted(found, key=lambda m: (m.start, m.stop, m.obj))
 
 
 def _merged(demo: Demo, T_world_obj: Pose, runs: list[tuple[int, int]], config: SegmentConfig) -> list[tuple[int, int]]:
-    joined: list[tuple[int, int]] = []
+    """Runs with the pauses between them closed, nudges before and after them left out."""
+    chains: list[list[tuple[int, int]]] = []
     for a, b in runs:
-        if joined and _pause(demo, T_world_obj, joined[-1][1] - 1, a, config):
-            joined[-1] = (joined[-1][0], b)
+        if chains and _pause(demo, T_world_obj, chains[-1][-1][1] - 1, a, config):
+            chains[-1].append((a, b))
         else:
-            joined.append((a, b))
-    return joined
+            chains.append([(a, b)])
+    return [_without_nudges(T_world_obj, chain, config) for chain in chains]
+
+
+def _without_nudges(T: Pose, chain: list[tuple[int, int]], config: SegmentConfig) -> tuple[int, int]:
+    """From the first to the last run that brings the object anywhere; from end to end if none does by itself."""
+    wide = [
+        np.linalg.norm(T.p[b - 1] - T.p[a]) >= config.min_shift_m or rotation_distance(T[b - 1], T[a]) >= config.min_turn_rad
+        for a, b in chain
+    ]
+    kept = [run for run, far in zip(chain, wide, strict=True) if far] or chain
+    return kept[0][0], kept[-1][1]
 
 
 def _pause(demo: Demo, T_world_obj: Pose, stop: int, start: int, config: SegmentConfig) -> bool:
@@ -238,6 +254,37 @@ def _settled(demo: Demo, T_world_obj: Pose, stop: int, limit: int, config: Segme
     T = T_world_obj[stop:until]
     still = (np.linalg.norm(T.p - rest_pose.p, axis=-1) < config.settle_m) & (rotation_distance(T, rest_pose) < config.settle_rad)
     return stop if still.all() else stop + int(np.flatnonzero(~still)[-1]) + 1
+
+
+def _bounds(T: Pose, a: int, b: int, before: Pose, after: Pose, config: SegmentConfig) -> tuple[int, int]:
+    """When an object that moves during samples [a, b) has left its old resting place for good, and has come to the new one.
+
+    Speeds are filtered, so they rise before the object moves and fall after it has; where it is says it more exactly.
+    """
+    metres, radians = (least + 3.0 * jitter for least, jitter in zip((config.left_m, config.left_rad), jitters(T), strict=True))
+    span = T[a:b]
+    from_before = np.linalg.norm(span.p - before.p, axis=-1), rotation_distance(span, before)
+    gone = (from_before[0] >= config.min_shift_m) | (from_before[1] >= config.min_turn_rad)
+    home = (from_before[0] <= metres) & (from_before[1] <= radians)
+    until = int(np.argmax(gone)) if gone.any() else len(span)
+    left = np.flatnonzero(home[:until])
+    start = a + (int(left[-1]) + 1 if len(left) else 0)
+    away = (np.linalg.norm(span.p - after.p, axis=-1) > metres) | (rotation_distance(span, after) > radians)
+    stop = a + int(np.flatnonzero(away)[-1]) + 1 if away.any() else b
+    return (start, stop) if stop > start else (a, b)
+
+
+def jitters(T: Pose) -> tuple[float, float]:
+    """Standard deviation from sample to sample of a frame's poses (n,), position [m] and rotation [rad], per axis.
+
+    From second differences, of which a motion shows little; robust, so that it needs rest in half of the recording only.
+    """
+    if len(T) < 3:
+        return 0.0, 0.0
+    turn = quat_log(quat_multiply(quat_conjugate(T.q[:-1]), T.q[1:]))
+    scale = 0.6745 * np.sqrt(6.0)
+    p = np.abs(np.diff(T.p, n=2, axis=0))
+    return float(np.median(p) / scale), float(np.median(np.abs(np.diff(turn, axis=0))) / scale)
 
 
 def _pose_over(T: Pose, start: int, stop: int) -> Pose:

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from symskill_pddl.geometry import Pose, quat_exp, quat_multiply
-from symskill_pddl.learning.articulation import fit_joint
+from symskill_pddl.learning.articulation import agreed_joint, fit_joint
 
 
 def noisy(T, rng, m=0.001, rad=0.004):
@@ -62,3 +62,18 @@ def test_two_pushes_along_different_lines_are_no_slide():
     other = Pose(one.p + np.array([0.0, 0.1, 0.0]), one.q)
     assert fit_joint([one]) is not None
     assert fit_joint([one, other]) is None
+
+
+def test_one_hinge_seen_by_trackers_that_are_each_off_by_centimetres():
+    """Together the poses lie on no joint; each recording's do, and their axes agree."""
+    rng, ways = np.random.default_rng(0), []
+    for _ in range(6):
+        turn = Pose.from_rotvec(np.zeros((20, 3)), np.linspace(0, 0.9, 20)[:, None] * np.array([0.0, 0.0, 1.0]))
+        off = Pose.from_rotvec(rng.normal(0, 0.02, 3), rng.normal(0, 0.03, 3))
+        ways.append(off @ turn @ Pose.from_rotvec(np.array([0.0, 0.2, 0.0]), rng.normal(0, 0.03, 3)))
+    assert fit_joint(ways) is None
+    joint = agreed_joint(ways)
+    assert joint.kind == "hinge"
+    assert joint.axis[2] > np.cos(np.radians(5))
+    crooked = [Pose.from_rotvec(np.zeros(3), np.array([0.9 * k, 0.0, 0.0])) @ way for k, way in enumerate(ways)]
+    assert agreed_joint(crooked) is None
