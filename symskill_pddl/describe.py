@@ -69,9 +69,20 @@ def support_text(learned: LearnedOperator) -> str:
     )
 
 
+def experience_lines(learned: LearnedOperator) -> tuple[str, ...]:
+    """What the robot's own runs say; nothing where there are none."""
+    own = learned.experience
+    if not own.tries:
+        return ()
+    took = f", took {own.seconds / own.successes:.1f} s on average" if own.successes else ""
+    return (
+        f"carried out {_count(own.tries, 'time')}, {own.successes} with success{took}; the next one works with {own.success:.2f}",
+    )
+
+
 def operator_lines(learned: LearnedOperator) -> tuple[str, ...]:
     """Where an operator comes from and what it keeps true; the strict precondition where it differs from the refined one."""
-    lines = [support_text(learned), f"skill {learned.skill}"]
+    lines = [support_text(learned), *experience_lines(learned), f"skill {learned.skill}"]
     if learned.operator.maintain:
         lines.append(f"maintains {atoms_text(learned.operator.maintain)}")
     if only_strict := learned.strict_pre - learned.operator.pre:

@@ -32,6 +32,25 @@ class Evidence:
 
 
 @dataclass(frozen=True)
+class Experience:
+    """What came of carrying out an operator."""
+
+    tries: int = 0
+    successes: int = 0
+    seconds: float = 0.0
+    """Duration of all successes together [s]."""
+
+    def __add__(self, other: Experience) -> Experience:
+        seconds = round(self.seconds + other.seconds, 6)
+        return Experience(self.tries + other.tries, self.successes + other.successes, seconds)
+
+    @property
+    def success(self) -> float:
+        """How likely a try is to work, by Laplace's rule of succession."""
+        return (self.successes + 1) / (self.tries + 2)
+
+
+@dataclass(frozen=True)
 class LearnedOperator:
     """An operator with where it came from and the skill that brings it about.
 
@@ -49,6 +68,7 @@ class LearnedOperator:
     """Mean and maximum duration in the demonstrations."""
     notes: tuple[str, ...] = ()
     """What was dropped from or added to the preconditions, and why, a line each."""
+    experience: Experience = Experience()
 
     @property
     def support(self) -> int:
@@ -80,6 +100,8 @@ class Library:
     """By predicate: by how much its reference scored higher than the next candidate; none where there was no other."""
     recordings: Mapping[str, bytes] = field(default_factory=dict, repr=False)
     """The demonstrations it was learned from, by source: the content of a file of demonstrations."""
+    runs: tuple[str, ...] = ()
+    """Checksums of the recorded runs that its operators' experience comes from."""
 
     def domain(self, name: str = "learned", *, strict: bool = False) -> Domain:
         """What a planner sees: every type, predicate (`gripper-open`, the built-in one, first) and operator.

@@ -8,18 +8,19 @@ import json
 import re
 import zipfile
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from symskill_pddl.abstraction import Classifier, GripperRule
 from symskill_pddl.errors import FormatError, InputError, SymSkillError, alternatives
 from symskill_pddl.files import write_atomic
 from symskill_pddl.geometry import Pose
-from symskill_pddl.library import DEMOS, INDEX, SCHEMA_VERSION, SKILLS, Evidence, Goal, LearnedOperator, Library
+from symskill_pddl.library import DEMOS, INDEX, SCHEMA_VERSION, SKILLS, Evidence, Experience, Goal, LearnedOperator, Library
 from symskill_pddl.skills import Skill
 from symskill_pddl.symbols import Absent, Atom, Domain, Operator, Parameter, Predicate, Type
 
@@ -116,6 +117,12 @@ class _Absent(_Model):
     over: tuple[_Pair, ...]
 
 
+class _Experience(_Model):
+    tries: int = Field(default=0, ge=0)
+    successes: int = Field(default=0, ge=0)
+    seconds: float = Field(default=0.0, ge=0.0)
+
+
 class _Operator(_Model):
     name: str
     parameters: tuple[_Pair, ...]
@@ -131,6 +138,7 @@ class _Operator(_Model):
     duration_s: tuple[float, float]
     evidence: tuple[_Evidence, ...]
     notes: tuple[str, ...]
+    experience: _Experience = _Experience()
 
 
 class _Goal(_Model):
@@ -151,6 +159,7 @@ class _Document(_Model):
     skills: dict[str, _File]
     margins: dict[str, float] = {}
     recordings: dict[str, _File] = {}
+    runs: tuple[str, ...] = ()
 
 
 def _atoms(atoms: Iterable[Atom]) -> list[_Atom]:
@@ -196,6 +205,7 @@ def _as_json(library: Library) -> dict[str, Any]:
         "gripper_open_m": (library.gripper.open_above, library.gripper.open_until),
         "extents_m": {t: library.extents[t] for t in sorted(library.extents)},
         "margins": {p: library.margins[p] for p in sorted(library.margins)},
+        "runs": library.runs,
     }
 
 
@@ -216,6 +226,7 @@ def _operator_json(learned: LearnedOperator) -> dict[str, Any]:
         "duration_s": learned.duration_s,
         "evidence": [{"demo": e.demo, "start_s": e.start_s, "stop_s": e.stop_s, "binding": e.binding} for e in learned.evidence],
         "notes": learned.notes,
+        "experience": asdict(learned.experience),
     }
 
 
@@ -253,6 +264,7 @@ def _from_json(d: _Document, skills: Mapping[str, Skill], recordings: Mapping[st
             tuple(Evidence(e.demo, e.start_s, e.stop_s, e.binding) for e in o.evidence),
             o.duration_s,
             o.notes,
+            Experience(**o.experience.model_dump()),
         )
         for o in d.operators
     )
@@ -268,6 +280,7 @@ def _from_json(d: _Document, skills: Mapping[str, Skill], recordings: Mapping[st
         extents=dict(d.extents_m),
         margins=dict(d.margins),
         recordings=dict(recordings),
+        runs=d.runs,
     )
 
 

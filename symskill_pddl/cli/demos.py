@@ -11,6 +11,8 @@ from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.cli.options import JsonFlag, LibraryArgument, pairs, require_folder
 from symskill_pddl.errors import InputError
 
+TRACE = ".jsonl"
+
 
 def record(
     task: Annotated[str, typer.Argument(metavar="TASK", help="A task of the kitchen.")],
@@ -51,19 +53,43 @@ def import_recording(
 
 
 def learn(
-    files: Annotated[list[Path], typer.Argument(metavar="DEMOS...", help="Files of demonstrations.")],
+    files: Annotated[list[Path] | None, typer.Argument(metavar="DEMOS...", help="Files of demonstrations.")] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="The library's folder.")] = None,
     into: Annotated[
         Path | None, typer.Option("--into", metavar="LIBRARY", help="Add the demonstrations to those of this library.")
     ] = None,
+    traces: Annotated[
+        list[Path] | None,
+        typer.Option("--traces", metavar="TRACE", help="Runs to learn costs from, trace.jsonl each; may be repeated."),
+    ] = None,
 ) -> None:
-    """Learn predicates, operators and skills from demonstrations."""
-    from symskill_pddl.cli.work import learn_from
+    """Learn predicates, operators and skills from demonstrations, and costs from recorded runs."""
+    from symskill_pddl.cli.work import learn_costs, read_runs
 
     target = output if into is None else into
     if target is None or (output is not None and into is not None):
         raise InputError("say where the library goes: -o FOLDER for a new one, or --into LIBRARY to add to one")
-    library, report = learn_from(files, target, into=into is not None)
+    # a shell makes `--traces runs/*.jsonl` one option and many arguments
+    runs = [*(traces or ()), *(f for f in files or () if f.suffix == TRACE)]
+    demos = [f for f in files or () if f.suffix != TRACE]
+    if not demos and (into is None or not runs):
+        raise InputError("nothing to learn from: name files of demonstrations, or runs with --traces and a library with --into")
+    counted = read_runs(runs)
+    if demos:
+        _learn_demos(demos, target, into=into is not None)
+    if runs:
+        learned, told = learn_costs(counted, target)
+        for name in told:
+            remark(f"the runs have steps '{name}', which is no operator of the library: left out")
+        for o in (o for o in learned.operators if o.operator.name in counted.experience):
+            own = o.experience
+            remark(f"{o.operator.name}: {own.successes} of {own.tries} tries worked, cost {o.operator.cost:g} s")
+
+
+def _learn_demos(files: list[Path], target: Path, *, into: bool) -> None:
+    from symskill_pddl.cli.work import learn_from
+
+    library, report = learn_from(files, target, into=into)
     for note in report.notes:
         remark(note)
     spent = sum(seconds for _, seconds in report.seconds)

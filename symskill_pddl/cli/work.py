@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from symskill_pddl.evaluation.results import Settings
     from symskill_pddl.execution.config import ExecutionConfig
     from symskill_pddl.learning import LearnReport
-    from symskill_pddl.library import Library
+    from symskill_pddl.library import Experience, Library
     from symskill_pddl.pddl import Names
     from symskill_pddl.pddl.check import Comparison
     from symskill_pddl.symbols import Domain, Plan, Problem
@@ -44,13 +45,60 @@ def learn_from(files: Sequence[Path], output: Path, *, into: bool = False) -> tu
     demos: list[Demo] = []
     for file in files:
         demos += load_demos(file)
-    if into:
-        demos = list(added(open_library(output), demos))
+    old = open_library(output) if into else None
+    if old is not None:
+        demos = list(added(old, demos))
     title = f"learning from {len(demos)} demonstrations in {len({d.source for d in demos})} files"
     with progress(title) as advance:
         library, report = learn_reported(demos, jobs=JOBS, progress=lambda stage: advance(text=f"{title}: {stage}"))
+    if old is not None:
+        from symskill_pddl.execution.experience import with_experience
+
+        library = with_experience(library, {o.operator.name: o.experience for o in old.operators}, old.runs)
     library.save(output)
     return library, report
+
+
+@dataclass(frozen=True)
+class Runs:
+    """What recorded runs say together."""
+
+    checksums: tuple[str, ...]
+    experience: Mapping[str, Experience]
+
+
+def read_runs(files: Sequence[Path]) -> Runs:
+    """Count what happened in recorded runs; raises `InputError` where one is no run, had no monitor, or is given twice."""
+    from hashlib import sha256
+
+    from symskill_pddl.execution.experience import experience_of
+    from symskill_pddl.execution.trace import read_trace
+    from symskill_pddl.library import Experience
+
+    checksums: list[str] = []
+    total: dict[str, Experience] = {}
+    for file in files:
+        trace = read_trace(file)
+        checksums.append(sha256(file.read_bytes()).hexdigest()[:16])
+        if checksums[-1] in checksums[:-1]:
+            raise InputError(f"{file}: the same run as another one: every run counts once")
+        try:
+            found = experience_of(trace)
+        except InputError as error:
+            raise InputError(f"{file}: {error}") from None
+        for name, experience in found.items():
+            total[name] = total.get(name, Experience()) + experience
+    return Runs(tuple(checksums), total)
+
+
+def learn_costs(runs: Runs, folder: Path) -> tuple[Library, tuple[str, ...]]:
+    """Add runs to a library and save it; also the names of steps that are no operators of it."""
+    from symskill_pddl.execution.experience import with_experience
+
+    library = with_experience(open_library(folder), runs.experience, runs.checksums)
+    library.save(folder)
+    known = {o.operator.name for o in library.operators}
+    return library, tuple(name for name in sorted(runs.experience) if name not in known)
 
 
 def shipped_demos() -> tuple[Path, ...]:
