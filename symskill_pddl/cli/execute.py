@@ -167,7 +167,8 @@ def tell(result: EpisodeResult, outcome: Outcome) -> None:
     if rows:
         table("", ("from [s]", "to [s]", "step", "verdict", "because"), rows)
     recovered = f", recoveries: {', '.join(outcome.recoveries)}" if outcome.recoveries else ""
-    say(f"{result.category}: {result.reason} ({result.time_s:.1f} s, {result.replans} new plans{recovered})")
+    cause = f" ({result.cause})" if result.cause else ""
+    say(f"{result.category}{cause}: {result.reason} ({result.time_s:.1f} s, {result.replans} new plans{recovered})")
     measured = [f"{name} {t.p95:.2f} ms (of {t.n})" for name in (TICK, FIRST, AGAIN) if (t := outcome.times.get(name))]
     if measured:
         say(f"computing time at the 95th percentile: {', '.join(measured)}")
@@ -245,12 +246,21 @@ def show_results(results: Results) -> None:
     rows = []
     for task in results.tasks:
         low, high = task.interval
-        failures = ", ".join(f"{n} {name}" for name, n in task.failures.items()) or "-"
+        failures, troubles = (", ".join(f"{n} {name}" for name, n in of.items()) or "-" for of in (task.failures, task.troubles))
         typical = "-" if task.median_time_s is None else f"{task.median_time_s:.1f}"
         rows.append(
-            (task.task, f"{task.successes}/{task.trials}", f"{low:.2f}-{high:.2f}", typical, f"{task.mean_replans:.1f}", failures)
+            (
+                task.task,
+                f"{task.successes}/{task.trials}",
+                f"{low:.2f}-{high:.2f}",
+                typical,
+                f"{task.mean_replans:.1f}",
+                f"{task.mean_recoveries:.1f}",
+                troubles,
+                failures,
+            )
         )
-    table("", ("task", "successes", "95 % interval", "median [s]", "new plans", "failures"), rows)
+    table("", ("task", "successes", "95 % interval", "median [s]", "new plans", "recoveries", "troubles", "failures"), rows)
 
 
 def report(

@@ -273,6 +273,8 @@ def write_report(source: Path, output: Path, library: Library | None = None) -> 
                 times={
                     "median time [s]": "-" if task.median_time_s is None else f"{task.median_time_s:.1f}",
                     "new plans per run": f"{task.mean_replans:.1f}",
+                    "recoveries per run": f"{task.mean_recoveries:.1f}",
+                    "troubles in steps": ", ".join(f"{cause} {n}" for cause, n in task.troubles.items()) or "-",
                 },
             )
             for task in results.tasks

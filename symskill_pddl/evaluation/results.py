@@ -26,6 +26,13 @@ class EpisodeResult(_Part):
     seed: int
     success: bool
     category: str
+    """How it ended."""
+    cause: str = ""
+    """Of a failure, as `execution.outcome.Cause`, or that it could not be set up."""
+    troubles: dict[str, int] = {}
+    """What went wrong in its steps, recovered from or not: how often, per cause."""
+    disturbances: int = 0
+    """How many took place."""
     reason: str
     replans: int
     recoveries: int
@@ -42,11 +49,15 @@ class TaskResult(_Part):
     interval: tuple[float, float]
     """Wilson interval of the success rate, at the suite's confidence."""
     failures: dict[str, int]
-    """How many episodes failed, per category."""
+    """How many episodes failed, per cause."""
+    troubles: dict[str, int]
+    """What went wrong in the steps of all episodes, recovered from or not: how often, per cause."""
+    disturbances: int
     median_time_s: float | None
     """Of the successful episodes."""
     max_time_s: float | None
     mean_replans: float
+    mean_recoveries: float
     episodes: tuple[EpisodeResult, ...]
 
 
@@ -69,7 +80,7 @@ class Results(_Part):
     """The whole file."""
 
     format: Literal["symskill-results"] = "symskill-results"
-    schema_version: Literal[1] = 1
+    schema_version: Literal[2] = 2
     settings: Settings
     confidence: float = CONFIDENCE
     tasks: tuple[TaskResult, ...]
@@ -85,19 +96,27 @@ def summarise(task: str, episodes: Iterable[EpisodeResult]) -> TaskResult:
     if not ordered:
         raise InputError(f"task '{task}': no episode to summarise")
     good = [e.time_s for e in ordered if e.success]
-    failures = Counter(e.category for e in ordered if not e.success)
     low, high = wilson(len(good), len(ordered), confidence=CONFIDENCE)
     return TaskResult(
         task=task,
         trials=len(ordered),
         successes=len(good),
         interval=(round(low, 4), round(high, 4)),
-        failures={name: failures[name] for name in sorted(failures)},
+        failures=count(e.cause for e in ordered if not e.success),
+        troubles=count(cause for e in ordered for cause, n in e.troubles.items() for _ in range(n)),
+        disturbances=sum(e.disturbances for e in ordered),
         median_time_s=median(good),
         max_time_s=max(good, default=None),
         mean_replans=round(sum(e.replans for e in ordered) / len(ordered), 3),
+        mean_recoveries=round(sum(e.recoveries for e in ordered) / len(ordered), 3),
         episodes=ordered,
     )
+
+
+def count(names: Iterable[str]) -> dict[str, int]:
+    """How often each occurs, by name."""
+    counted = Counter(map(str, names))
+    return {name: counted[name] for name in sorted(counted)}
 
 
 def save_results(path: str | Path, results: Results) -> None:

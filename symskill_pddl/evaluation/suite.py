@@ -196,7 +196,7 @@ def run_one(library: Library, suite: Suite, task: str, seed: int) -> EpisodeResu
         raise  # no episode would run
     except SymSkillError as error:
         return EpisodeResult(
-            seed=seed, success=False, category=ERROR, reason=str(error), replans=0, recoveries=0, steps=0, time_s=0.0
+            seed=seed, success=False, category=ERROR, cause=ERROR, reason=str(error), replans=0, recoveries=0, steps=0, time_s=0.0
         )
     return result
 

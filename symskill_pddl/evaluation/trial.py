@@ -11,10 +11,10 @@ import numpy as np
 from symskill_pddl.abstraction import abstract
 from symskill_pddl.evaluation.goals import goal_atoms, resting_atoms
 from symskill_pddl.evaluation.posed import placed, unlike
-from symskill_pddl.evaluation.results import EpisodeResult
+from symskill_pddl.evaluation.results import EpisodeResult, count
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.executor import execute
-from symskill_pddl.execution.outcome import Category, Outcome
+from symskill_pddl.execution.outcome import Category, Cause, Outcome
 from symskill_pddl.execution.recovery import Assumption, nearest_symbols
 from symskill_pddl.execution.trace import Header, NoteLine, TraceWriter
 from symskill_pddl.kitchen import make, task_named
@@ -176,16 +176,19 @@ def run_episode(
         monitor=monitor,
     )
     success = kitchen.succeeded() if episode.judged else outcome.success
-    category, reason = str(outcome.category), outcome.reason
+    category, cause, reason = str(outcome.category), str(outcome.cause or ""), outcome.reason
     if outcome.success and not success:
-        category, reason = JUDGE, "the goal atoms hold, the judge sees no success"
+        category, cause, reason = JUDGE, str(Cause.PERCEPTION), "the goal atoms hold, the judge sees no success"
     elif success:
-        category = str(Category.SUCCESS)
+        category, cause = str(Category.SUCCESS), ""
     return (
         EpisodeResult(
             seed=seed,
             success=success,
             category=category,
+            cause=cause,
+            troubles=count(outcome.troubles),
+            disturbances=len(kitchen.events),
             reason=reason,
             replans=outcome.replans,
             recoveries=len(outcome.recoveries),

@@ -16,6 +16,7 @@ import numpy as np
 from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.execution.belief import Belief
 from symskill_pddl.execution.body import Body
+from symskill_pddl.execution.causes import cause_of, cause_of_run
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.deliberation import Deliberation, Planned
 from symskill_pddl.execution.journal import Journal
@@ -37,7 +38,7 @@ from symskill_pddl.execution.monitor import (
 )
 from symskill_pddl.execution.outcome import Category, Outcome
 from symskill_pddl.execution.recovery import goal_shift, key_of
-from symskill_pddl.execution.runner import Obstacles, SkillRun
+from symskill_pddl.execution.runner import Motion, Obstacles, SkillRun
 from symskill_pddl.execution.timing import spreads
 from symskill_pddl.execution.trace import Header, OutcomeLine, TimesLine, TraceWriter, rows, step_line, tick_line
 from symskill_pddl.library import Library
@@ -104,9 +105,12 @@ def execute(
         category, reason = run.closed_loop() if monitor else run.open_loop()
     finally:
         run.body.stop()
+    cause = cause_of_run(category, journal.troubles, journal.recoveries)
     outcome = Outcome(
         success=category is Category.SUCCESS,
         category=category,
+        cause=cause,
+        troubles=tuple(journal.troubles),
         reason=reason,
         replans=run.replans,
         steps=tuple(journal.steps),
@@ -121,6 +125,7 @@ def execute(
             time=run.body.now,
             success=outcome.success,
             category=category.value,
+            cause=cause or "",
             reason=reason,
             replans=outcome.replans,
             recoveries=len(outcome.recoveries),
@@ -193,7 +198,7 @@ class _Run:
         for index, step in enumerate(planned.steps):
             watch, run, _ = self.prepare(planned, index)
             self.announce(watch, Continue("without monitor"), run, 0)
-            why = "the skill has ended"
+            why, memory = "the skill has ended", Memory()
             while True:
                 motion = run.tick(self.body.scene)
                 if motion.stage == run.phases and not motion.settling:
@@ -202,6 +207,11 @@ class _Run:
                     why = "the time is over"
                     break
                 self.body.step(motion.command)
+                judgement = judge(watch, self.seen(motion), memory)
+                memory, trouble = judgement.memory, cause_of(judgement.verdict)
+                # nobody acts on it; what follows from the first trouble says nothing more
+                if trouble is not None and not self.journal.troubles:
+                    self.journal.troubles.append(trouble)
             self.journal.ran(step, watch.start_s, self.body.now, Continue(why), 0)
         if self.goal <= self.body.state:
             return Category.SUCCESS, "the goal holds"
@@ -230,6 +240,8 @@ class _Run:
                     self.mind.clear(verdict.reason)
                     return f"{watch.step}: {verdict.reason}"
                 case _:
+                    if (trouble := cause_of(verdict)) is not None:
+                        self.journal.troubles.append(trouble)
                     self.belief.blame(watch, verdict)
                     if isinstance(verdict, Stalled) and verdict.blocked:
                         self.mind.retreat(verdict.reason)
@@ -257,17 +269,7 @@ class _Run:
             skill_ms = 1e3 * (perf_counter() - begin)
             body.step(motion.command)
             begin = perf_counter()
-            tick = Tick(
-                now_s=body.now,
-                state=body.state,
-                stage=motion.stage,
-                stage_s=motion.stage_s,
-                settling=motion.settling,
-                closing=body.closing,
-                speed=motion.speed,
-                turn=motion.turn,
-                rest_s=motion.rest_s,
-            )
+            tick = self.seen(motion)
             judgement = judge(watch, tick, memory)
             verdict, memory = judgement.verdict, judgement.memory
             decided = perf_counter()
@@ -281,6 +283,20 @@ class _Run:
             before = tick.state
             if not isinstance(verdict, Continue):
                 return verdict
+
+    def seen(self, motion: Motion) -> Tick:
+        """What the monitor is told of the tick that has just passed."""
+        return Tick(
+            now_s=self.body.now,
+            state=self.body.state,
+            stage=motion.stage,
+            stage_s=motion.stage_s,
+            settling=motion.settling,
+            closing=self.body.closing,
+            speed=motion.speed,
+            turn=motion.turn,
+            rest_s=motion.rest_s,
+        )
 
     def prepare(self, planned: Planned, index: int) -> tuple[Watch, SkillRun, int]:
         """What the monitor watches; the skill bound to its objects, resampled if the step has failed before; how often it has."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from symskill_pddl.execution.monitor import Verdict
-from symskill_pddl.execution.outcome import StepRecord
+from symskill_pddl.execution.outcome import Cause, StepRecord
 from symskill_pddl.execution.trace import RecoveryLine, TraceWriter
 from symskill_pddl.symbols import GroundOperator
 
@@ -18,6 +18,8 @@ class Journal:
         self._trace, self._on_event = trace, on_event
         self.steps: list[StepRecord] = []
         self.recoveries: list[str] = []
+        self.troubles: list[Cause] = []
+        """What went wrong in the steps, in order."""
         self.plan_seconds: list[float] = []
         self.ticks: list[dict[str, float]] = []
         """Duration of the stages of every tick [ms]."""

@@ -21,6 +21,25 @@ class Category(StrEnum):
     """Without monitor, or without planning again: the plan is over or was left, and the goal does not hold."""
 
 
+class Cause(StrEnum):
+    """What went wrong."""
+
+    PERCEPTION = "perception"
+    """The atoms do not tell what is: an object at rest in no known relation, or a goal that holds and is none."""
+    PRECONDITION = "precondition"
+    """A step could not start."""
+    PLANNING = "planning"
+    """No plan, or no planner."""
+    MOTION = "motion"
+    """The hand came to rest, or was blocked, before the step's effects held."""
+    GRASP = "grasp"
+    """The fingers closed on nothing, or lost what they held."""
+    EXTERNAL = "external"
+    """Something changed that the robot has not touched."""
+    TIMEOUT = "timeout"
+    """A step or the run used up its time."""
+
+
 @dataclass(frozen=True)
 class StepRecord:
     """One execution of a step: when [s], and the verdict that ended it."""
@@ -42,6 +61,10 @@ class Outcome:
     ----------
     success, category, reason
         Whether the goal atoms hold, how the run ended, and why in words.
+    cause : Cause or None
+        What a failed run failed of.
+    troubles : tuple of Cause
+        What went wrong in its steps, in order, whether it was recovered from or not.
     replans : int
         Calls of the planner after the first plan was given up.
     steps : tuple of StepRecord
@@ -60,6 +83,8 @@ class Outcome:
     success: bool
     category: Category
     reason: str
+    cause: Cause | None
+    troubles: tuple[Cause, ...]
     replans: int
     steps: tuple[StepRecord, ...]
     recoveries: tuple[str, ...]

@@ -175,6 +175,8 @@ class OutcomeLine(_Line):
     time: float
     success: bool
     category: str
+    cause: str = ""
+    """Of a failure, as `causes.Cause`."""
     reason: str
     replans: int
     recoveries: int

@@ -8,21 +8,28 @@ from symskill_pddl.evaluation.results import EpisodeResult, Results, Settings, l
 from symskill_pddl.evaluation.statistics import wilson
 
 
-def episode(seed: int, category: str = "success", time_s: float = 10.0, replans: int = 0) -> EpisodeResult:
+def episode(seed: int, cause: str = "", time_s: float = 10.0, replans: int = 0, **more: object) -> EpisodeResult:
     return EpisodeResult(
         seed=seed,
-        success=category == "success",
-        category=category,
+        success=not cause,
+        category="replan limit" if cause else "success",
+        cause=cause,
         reason="",
         replans=replans,
         recoveries=0,
         steps=3,
         time_s=time_s,
+        **more,
     )
 
 
 def results() -> Results:
-    episodes = [episode(2, "time limit", 99.0, replans=3), episode(1, time_s=20.0), episode(0), episode(3, "goal missed")]
+    episodes = [
+        episode(2, "timeout", 99.0, replans=3, troubles={"motion": 2, "grasp": 1}),
+        episode(1, time_s=20.0, troubles={"motion": 1}, disturbances=2),
+        episode(0),
+        episode(3, "grasp"),
+    ]
     settings = Settings(library="abc", planner="builtin", monitor=True, disturbances=("close-door@op=2",), seed=0, trials=4)
     return Results(settings=settings, tasks=(summarise("Put", episodes),))
 
@@ -31,7 +38,9 @@ def test_a_summary_counts_and_sorts() -> None:
     (task,) = results().tasks
     assert (task.trials, task.successes) == (4, 2)
     assert task.interval == pytest.approx(wilson(2, 4), abs=1e-4)
-    assert task.failures == {"goal missed": 1, "time limit": 1}
+    assert task.failures == {"grasp": 1, "timeout": 1}
+    assert task.troubles == {"grasp": 1, "motion": 3}
+    assert task.disturbances == 2
     assert task.median_time_s == 15.0  # of the successes only
     assert task.max_time_s == 20.0
     assert task.mean_replans == 0.75
@@ -39,7 +48,7 @@ def test_a_summary_counts_and_sorts() -> None:
 
 
 def test_without_success_there_are_no_times() -> None:
-    task = summarise("Put", [episode(0, "time limit")])
+    task = summarise("Put", [episode(0, "timeout")])
     assert task.median_time_s is None
     assert task.max_time_s is None
     assert task.interval[0] == 0.0
@@ -62,7 +71,7 @@ def test_results_come_back_from_their_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("edit", "message"),
     [
-        ({"schema_version": 2}, "schema_version"),
+        ({"schema_version": 1}, "schema_version"),
         ({"format": "something"}, "format"),
         ({"tasks": [{"task": "Put"}]}, "tasks.0.trials"),
         ({"more": 1}, "more"),

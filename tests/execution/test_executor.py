@@ -7,7 +7,7 @@ from fake_world import CABINET, COUNTER, DOWN, HOME, OBJECTS, FakeWorld, at, ato
 from symskill_pddl.errors import InputError, MissingDependencyError
 from symskill_pddl.execution.config import ExecutionConfig, MotionConfig
 from symskill_pddl.execution.executor import execute
-from symskill_pddl.execution.outcome import Category
+from symskill_pddl.execution.outcome import Category, Cause
 from symskill_pddl.execution.replay import replay
 from symskill_pddl.execution.trace import TraceWriter, read_trace
 from symskill_pddl.geometry import Pose
@@ -113,6 +113,7 @@ class TestDisturbances:
         assert names(outcome) == ["pick-from-counter", "place-in-cabinet", "place-on-counter", *ALL]
         assert verdicts(outcome)[1] == "Violation"
         assert "door-open" in outcome.steps[1].reason
+        assert (outcome.cause, outcome.troubles) == (None, (Cause.EXTERNAL,))
 
     def test_a_lost_grasp_blames_the_pick_which_is_resampled(self):
         world, lines = FakeWorld(angle=1.5), []
@@ -124,6 +125,7 @@ class TestDisturbances:
         steps = [line for line in lines if line.event == "step"]
         assert [s.shift is not None for s in steps] == [False, False, True, False]
         assert outcome.recoveries == ("recover-open",)
+        assert outcome.troubles == (Cause.GRASP,)
 
     def test_the_object_is_moved_before_it_is_picked(self):
         world = FakeWorld(angle=1.5)
@@ -237,6 +239,7 @@ class TestFailures:
         assert [s.attempt for s in outcome.steps] == [0, 1, 2]
         assert outcome.recoveries == ()
         assert "reach-closed-door" in outcome.reason
+        assert (outcome.cause, outcome.troubles) == (Cause.TIMEOUT, (Cause.TIMEOUT,) * 3)
 
     def test_a_blocked_hand_goes_back_and_tries_again(self):
         world = FakeWorld(angle=1.5)
@@ -257,16 +260,17 @@ class TestFailures:
         assert verdicts(outcome)[0] == "Stalled"
         assert "blocked" in outcome.steps[0].reason
         assert outcome.recoveries == ("recover-retreat",)
+        assert outcome.troubles == (Cause.MOTION,)
 
     def test_time_limit(self):
         world = FakeWorld()
         world.frozen = True
         outcome = run(world, config=ExecutionConfig(max_time_s=5.0, budget_margin_s=0.5, budget_factor=0.5, blocked_s=99.0))
-        assert outcome.category is Category.TIME
+        assert (outcome.category, outcome.cause) == (Category.TIME, Cause.TIMEOUT)
 
     def test_unreachable_goal_says_why(self):
         outcome = run(FakeWorld(), library=without(LIBRARY, "open-door"))
-        assert outcome.category is Category.UNREACHABLE
+        assert (outcome.category, outcome.cause) == (Category.UNREACHABLE, Cause.PLANNING)
         assert not outcome.success
         assert "food-in-cabinet" in outcome.reason
         assert "door-open" in outcome.reason
@@ -379,6 +383,8 @@ class TestOpenLoop:
         assert not outcome.success
         assert outcome.replans == 0
         assert "food-in-cabinet" in outcome.reason
+        # the monitor is not obeyed, but it knows what went wrong first
+        assert (outcome.cause, outcome.troubles) == (Cause.GRASP, (Cause.GRASP,))
 
     def test_time_is_bounded(self):
         world = FakeWorld()
