@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 from symskill_pddl.execution.monitor import Blame, OverTime, Stalled, Verdict, Violation, Watch
-from symskill_pddl.execution.recovery import FailureMemory, key_of
+from symskill_pddl.execution.recovery import FailureMemory, StepKey, key_of
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, GroundOperator, State
 
 
@@ -23,6 +23,8 @@ class Belief:
         self.failures = FailureMemory()
         self.assumptions: Counter[Atom] = Counter()
         """How often each atom was planned with without being observed."""
+        self.blocked: dict[StepKey, int] = {}
+        """Steps that were held up the last time, and in which phase: they begin otherwise. Every other time."""
         self._acquired: dict[Atom, GroundOperator] = {}
         self._pending: State = frozenset()
 
@@ -54,6 +56,7 @@ class Belief:
         keeps its failures until then. Otherwise a grasp that is always lost on the way would be tried the same way for ever.
         """
         step = watch.step
+        self.blocked.pop(key_of(step), None)
         self._pending = watch.pending
         gained = [a for a in step.add if a.predicate in self.gripper]
         for atom in gained:
@@ -67,6 +70,12 @@ class Belief:
     def jumped(self) -> None:
         """Steps were passed over: nothing is owed."""
         self._pending = frozenset()
+
+    def held_up(self, step: GroundOperator, stage: int) -> None:
+        """The step's motion was blocked in a phase. Twice in a row is no reason to begin otherwise once more."""
+        key = key_of(step)
+        if self.blocked.pop(key, None) is None:
+            self.blocked[key] = stage
 
     def blame(self, watch: Watch, verdict: Verdict) -> None:
         """Enter a verdict into the failure memory."""

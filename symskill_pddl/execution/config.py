@@ -79,6 +79,8 @@ class ExecutionConfig:
         How long to stand still and look when there is no plan [s]; less where nothing has moved for `quiet_s`.
     retreat_m, back_off_m
         How far to go back along the own path, and along the hand's axis after opening the fingers [m].
+    approach_s : float
+        How long a hand may take on the straight way to where a step that was blocked begins the next time [s].
     assume : bool
         Whether to plan with the nearest known relation of an object that rests in none.
     resample : bool
@@ -107,6 +109,7 @@ class ExecutionConfig:
     quiet_s: float = 1.0
     retreat_m: float = 0.2
     back_off_m: float = 0.08
+    approach_s: float = 6.0
     assume: bool = True
     resample: bool = True
     replan: bool = True
@@ -123,6 +126,7 @@ class ExecutionConfig:
             "sample_most",
             "stall_s",
             "blocked_s",
+            "approach_s",
         ):
             if not getattr(self, name) > 0:
                 raise InputError(f"{name} has to be positive, got {getattr(self, name)!r}")

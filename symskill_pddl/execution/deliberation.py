@@ -29,6 +29,7 @@ from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.journal import Journal
 from symskill_pddl.execution.recovery import StepKey, nearest_symbols, other_face
 from symskill_pddl.execution.trace import PlanLine, rows
+from symskill_pddl.geometry import Pose
 from symskill_pddl.library import Library
 from symskill_pddl.planning import Limits, Planner, PlanResult, Session, Status, explain, nearest_goal, session
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, GroundOperator, Problem, State
@@ -186,6 +187,12 @@ class Deliberation:
         )
         arrived = body.back_off(1.5 * self._config.back_off_m)
         self._journal.recovered("recover-leave", reason, _ended(arrived), begin)
+
+    def begin_at(self, T_world_ee: Pose, reason: str) -> None:
+        """Straight to where the next step's motion passes, away from where it was blocked."""
+        begin = self._body.now
+        arrived = self._body.go(T_world_ee, self._config.approach_s)
+        self._journal.recovered("recover-approach", reason, _ended(arrived), begin)
 
     def retreat(self, reason: str) -> None:
         """Back along the own path."""

@@ -37,13 +37,14 @@ from symskill_pddl.execution.monitor import (
     only_clearance_lacks,
 )
 from symskill_pddl.execution.outcome import Category, Outcome
-from symskill_pddl.execution.recovery import goal_shift, key_of
+from symskill_pddl.execution.recovery import goal_shift, key_of, later_leg, way_in
 from symskill_pddl.execution.runner import Motion, Obstacles, SkillRun
 from symskill_pddl.execution.timing import spreads
 from symskill_pddl.execution.trace import Header, OutcomeLine, TimesLine, TraceWriter, rows, step_line, tick_line
 from symskill_pddl.library import Library
 from symskill_pddl.planning import Planner
 from symskill_pddl.scene import GRIPPER, Scene, World
+from symskill_pddl.skills import Skill
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, GroundOperator, State
 
 
@@ -244,6 +245,7 @@ class _Run:
                         self.journal.troubles.append(trouble)
                     self.belief.blame(watch, verdict)
                     if isinstance(verdict, Stalled) and verdict.blocked:
+                        self.belief.held_up(watch.step, run.stage)
                         self.mind.retreat(verdict.reason)
                     if self.try_again(watch, verdict):
                         continue
@@ -300,10 +302,12 @@ class _Run:
 
     def prepare(self, planned: Planned, index: int) -> tuple[Watch, SkillRun, int]:
         """What the monitor watches; the skill bound to its objects, resampled if the step has failed before; how often it has."""
-        step, state, config = planned.steps[index], self.body.state, self.config
+        step, config = planned.steps[index], self.config
         learned = self.library.learned(step.name)
         skill = self.library.skills[learned.skill]
         binding = dict(zip((p.name for p in learned.operator.parameters), step.args, strict=True))
+        first = self.begin_otherwise(step, skill, binding, planned.assumed)
+        state = self.body.state
         attempt = self.belief.failures.count(key_of(step))
         shift = None
         if attempt and config.resample:
@@ -313,7 +317,7 @@ class _Run:
         avoided = None
         if config.motion.avoid and self.extents:
             avoided = Obstacles(self.body.scene.objects, self.extents, spared, config.motion, self.body.velocities)
-        run = SkillRun(skill, binding, self.body.scene, config.motion, shift=shift, obstacles=avoided)
+        run = SkillRun(skill, binding, self.body.scene, config.motion, shift=shift, first=first, obstacles=avoided)
         # what is hinged or slides cannot be dropped, and the hand may let go of it and push on
         hinged_s = learned.duration_s[1] if learned.kind == "move" else 0.0
         watch = Watch(
@@ -335,6 +339,17 @@ class _Run:
             still_turn=config.still_turn,
         )
         return watch, run, attempt
+
+    def begin_otherwise(self, step: GroundOperator, skill: Skill, binding: Mapping[str, str], assumed: State) -> int:
+        """A step that was blocked from where it began is begun elsewhere, or with a later phase; the phase to begin with."""
+        blocked = self.belief.blocked.get(key_of(step))
+        if blocked is None or not step.pre <= self.body.state | assumed:
+            return 0
+        first = later_leg(skill, blocked)
+        begin = None if first else way_in(skill, binding, self.body.scene)
+        if begin is not None:
+            self.mind.begin_at(begin, f"{step} was blocked from where it began")
+        return first
 
     def announce(self, watch: Watch, verdict: Verdict, run: SkillRun, attempt: int) -> None:
         """Tell of a step's start."""

@@ -2,6 +2,7 @@
 
 - `FailureMemory`: which ground steps failed, how often; raises their cost and widens the next sample.
 - `goal_shift`: moves a blamed step's goal by a sample of its effect predicate.
+- `way_in`, `later_leg`: how a step that was blocked had better begin.
 - `nearest_symbols`: for objects in no known relation, the relations they are nearest to, as assumptions for planning.
 - `other_face`: for a thing that fell over, the turn under which it is as it was demonstrated.
 - `servo`, `way_back`: the few motions that are not learned (backing off, going back where one came from).
@@ -106,6 +107,28 @@ def goal_shift(
         T_obj_ee = scene.pose(atom.args[0]).inverse() @ scene.T_world_ee
         return goal.frame, sample @ T_obj_ee @ goal.field.T_goal.inverse()
     return None
+
+
+def way_in(skill: Skill, binding: Mapping[str, str], scene: Scene) -> Pose | None:
+    """Where the hand passes on its way to the skill's goal: the end of its first phase.
+
+    None where no phase follows, so that this is the goal itself, or where the fingers are not as in that phase.
+    """
+    first = skill.phases[0]
+    if len(skill.phases) < 2 or first.close_gripper != scene.gripper_closed:
+        return None
+    return first.T_world_goal(scene.pose(binding[first.frame]))
+
+
+def later_leg(skill: Skill, stage: int) -> int:
+    """The phase after a blocked one where the skill may as well begin, 0 where there is none.
+
+    Every phase is stable from anywhere. The first ones lead in from where the demonstrations came from, and a run may come from
+    elsewhere; but the last one before the fingers move is the approach itself, and is not to be all.
+    """
+    closed = skill.phases[0].close_gripper
+    same = next((i for i, phase in enumerate(skill.phases) if phase.close_gripper != closed), len(skill.phases))
+    return stage + 1 if stage + 2 < same else 0
 
 
 @dataclass(frozen=True)

@@ -69,6 +69,8 @@ class SkillRun:
         Object bound to each parameter; the phases' frames are parameters.
     shift : (str, Pose) or None
         A frame and the transform of all fields that live in it (resampled goal).
+    first : int
+        The phase to begin with.
     obstacles : callable
         The obstacles of a scene.
 
@@ -86,6 +88,7 @@ class SkillRun:
         config: MotionConfig,
         *,
         shift: tuple[str, Pose] | None = None,
+        first: int = 0,
         obstacles: Callable[[Scene], Ellipsoids] | None = None,
     ) -> None:
         for phase in skill.phases:
@@ -96,7 +99,7 @@ class SkillRun:
         self._skill, self._binding, self._config = skill, binding, config
         self._shift, self._obstacles = shift, obstacles
         self._fingers = Fingers(scene, config)
-        self._stage, self._stage_since = 0, scene.time
+        self._stage, self._stage_since = first, scene.time
         self._rest_since = scene.time
         self._previous = scene
         self.obstacles_ms = 0.0
@@ -106,6 +109,11 @@ class SkillRun:
     def avoids(self) -> bool:
         """Whether there may be obstacles."""
         return self._obstacles is not None
+
+    @property
+    def stage(self) -> int:
+        """The phase that runs."""
+        return self._stage
 
     @property
     def phases(self) -> int:

@@ -1,18 +1,24 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fake_world import CABINET, COUNTER, DOWN, OBJECTS, FakeWorld, at, atoms, make_library
 
 from symskill_pddl.abstraction import abstract
+from symskill_pddl.execution.belief import Belief
 from symskill_pddl.execution.recovery import (
     FailureMemory,
     backed_off,
     capped,
     goal_shift,
+    key_of,
+    later_leg,
     near,
     nearest_symbols,
     other_face,
     servo,
     way_back,
+    way_in,
 )
 from symskill_pddl.geometry import Pose, rotation_distance
 from symskill_pddl.symbols import GroundOperator
@@ -111,6 +117,30 @@ class TestNearest:
 
     def test_what_moves_is_left_out(self):
         assert self.nearest(FakeWorld(angle=0.5), objects=("cheese", "cabinet")) == {}
+
+
+class TestBeginOtherwise:
+    SKILL = LIBRARY.skills["pick"]
+
+    def test_the_way_in_is_the_first_of_two_phases_with_the_same_fingers(self):
+        scene = FakeWorld().observe()
+        np.testing.assert_allclose(
+            way_in(self.SKILL, {"?food": "cheese"}, scene).p, scene.pose("cheese").p + np.array([0, 0, 0.1])
+        )
+        assert way_in(self.SKILL, {"?food": "cheese"}, FakeWorld(closed=True).observe()) is None
+        assert way_in(replace(self.SKILL, phases=self.SKILL.phases[1:]), {"?food": "cheese"}, scene) is None
+
+    def test_a_leading_phase_may_be_left_out_but_not_the_approach(self):
+        assert later_leg(self.SKILL, 0) == 0
+        carry = LIBRARY.skills["open-door"]  # three phases closed, one open
+        assert [later_leg(carry, stage) for stage in range(4)] == [1, 0, 0, 0]
+
+    def test_every_other_time(self):
+        belief, pick = Belief(frozenset()), step("pick-from-counter", "cheese", "counter")
+        belief.held_up(pick, 1)
+        assert belief.blocked == {key_of(pick): 1}
+        belief.held_up(pick, 0)
+        assert belief.blocked == {}
 
 
 class TestOtherFace:
