@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import sqrt
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, Pose, karcher_mean
 from symskill_pddl.skills.config import FitConfig
 from symskill_pddl.skills.orientation import OrientationField, fit_orientation
-from symskill_pddl.skills.pairing import Pairing, fit_pairing
+from symskill_pddl.skills.pairing import WIDTHS, Pairing, fit_pairing
 from symskill_pddl.skills.position import PositionField, fit_position
 from symskill_pddl.skills.stability import Certificate
 from symskill_pddl.skills.trajectory import Trajectory
@@ -38,20 +37,22 @@ class Field:
     certificates: tuple[Certificate, Certificate]
     pairing: Pairing
 
+    def __post_init__(self) -> None:
+        p, q, pairing = self.position, self.orientation, self.pairing
+        curve = (pairing.reach, pairing.turn, pairing.difference)
+        parts = (p.lpv.arrays, p.goal, self.certificates[0].P, q.lpv.arrays, q.goal, curve, WIDTHS)
+        object.__setattr__(self, "_parts", parts)
+
     def twist(self, T_frame_ee: Pose) -> Array:
         """Twist (..., 6) at poses (...): linear [m/s], angular [rad/s], in the axes of the field's frame."""
         return self.twist_at(T_frame_ee.p, T_frame_ee.q)
 
     def twist_at(self, p: Array, q: Array) -> Array:
         """The same for positions (..., 3) and unit quaternions (..., 4)."""
-        e_p, e_q = p - self.position.goal, self.orientation.error(q)
-        v, omega = self.position.lpv.velocity(e_p), self.orientation.lpv.velocity(e_q)
-        P = self.certificates[0].P
-        if p.ndim == 1:
-            s_v, s_omega = self.pairing.factors_at(sqrt(e_p @ P @ e_p), sqrt(e_q @ e_q))
-            return np.concatenate((s_v * v, s_omega * omega))
-        s_p, s_q = self.pairing.factors(np.sqrt((e_p @ P * e_p).sum(-1)), np.sqrt((e_q * e_q).sum(-1)))
-        return np.concatenate((s_p[..., None] * v, s_q[..., None] * omega), axis=-1)
+        from symskill_pddl.skills.kernels import twists
+
+        out: Array = twists(p.reshape(-1, 3), q.reshape(-1, 4), *self._parts)  # type: ignore[attr-defined]
+        return out.reshape(*p.shape[:-1], 6)
 
     @cached_property
     def T_goal(self) -> Pose:
@@ -84,8 +85,5 @@ def fit_field(trajectories: Sequence[Trajectory], config: FitConfig) -> Field:
     pairing = Pairing.none()
     # who turns in place is not in step with a position: what wanders a little, and does not move on in a grip that holds it
     if max(float(np.linalg.norm(e_p, axis=-1).max()) for e_p, _ in errors) > config.tolerance_m:
-        pairing = fit_pairing(
-            [np.sqrt((e_p @ of_position.P * e_p).sum(-1)) for e_p, _ in errors],
-            [np.linalg.norm(np.atleast_2d(e_q), axis=-1) for _, e_q in errors],
-        )
+        pairing = fit_pairing(errors, of_position.P)
     return Field(position, orientation, (of_position, of_orientation), pairing)

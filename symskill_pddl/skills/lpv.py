@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,11 +27,14 @@ class Lpv:
         A_k [1/s].
     pace : (K,)
         Speed cap of each component; the cap at e is their weighted mean. It scales the velocity and never turns it.
+    arrays : tuple of arrays
+        All of it, as the compiled evaluation takes it.
     """
 
     mixture: Mixture
     matrices: Array
     pace: Array
+    arrays: tuple[Array, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         K = self.mixture.size
@@ -41,16 +44,16 @@ class Lpv:
             raise InputError(
                 f"{K} components need matrices ({K}, 3, 3) and paces ({K},), got {self.matrices.shape}, {self.pace.shape}"
             )
-        object.__setattr__(self, "_flat", frozen(self.matrices.reshape(K, 9)))
+        mixture = self.mixture
+        arrays = (mixture.whitening, mixture.offset, mixture.log_scale, self.matrices, self.pace)
+        object.__setattr__(self, "arrays", arrays)
 
     def velocity(self, e: Array) -> Array:
         """Velocity (..., 3) at errors e (..., 3); zero exactly at e = 0."""
-        gamma = self.mixture.weights(e)
-        A = (gamma @ self._flat).reshape(*e.shape, 3)  # type: ignore[attr-defined]
-        v = (A @ e[..., None])[..., 0]
-        cap = gamma @ self.pace
-        speed = np.sqrt((v * v).sum(-1))
-        return np.asarray(v * (cap / np.maximum(speed, cap))[..., None])
+        from symskill_pddl.skills.kernels import velocities
+
+        out: Array = velocities(e.reshape(-1, 3), self.arrays)
+        return out.reshape(e.shape)
 
     @property
     def max_speed(self) -> float:

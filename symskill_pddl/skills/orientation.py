@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.geometry import Array, frozen, quat_conjugate, quat_exp, quat_log, quat_multiply
-from symskill_pddl.skills import scalar
+from symskill_pddl.geometry import Array, frozen, quat_exp, quat_log, quat_multiply
 from symskill_pddl.skills.config import FitConfig
 from symskill_pddl.skills.lpv import Lpv, fit_lpv
 from symskill_pddl.skills.stability import Certificate
@@ -41,14 +40,14 @@ class OrientationField:
         if goal.shape != (4,) or not np.isclose(np.linalg.norm(goal), 1.0, atol=1e-9):
             raise InputError(f"an orientation field's goal has to be a unit quaternion (4,), got {np.asarray(self.goal)!r}")
         object.__setattr__(self, "goal", goal)
-        object.__setattr__(self, "_inverse", scalar.conjugate(tuple(goal.tolist())))
 
     def error(self, q: ArrayLike) -> Array:
         """Rotation vector (..., 3) [rad] from the goal to q (..., 4), in the axes of the field's frame."""
+        from symskill_pddl.skills.kernels import rotation_errors
+
         q = np.asarray(q, dtype=np.float64)
-        if q.shape == (4,):
-            return np.array(scalar.log(scalar.multiply(tuple(q.tolist()), self._inverse)))  # type: ignore[attr-defined,arg-type]
-        return quat_log(quat_multiply(q, quat_conjugate(self.goal)))
+        out: Array = rotation_errors(q.reshape(-1, 4), self.goal)
+        return out.reshape(*q.shape[:-1], 3)
 
     def angular_velocity(self, q: ArrayLike) -> Array:
         """Angular velocity (..., 3) [rad/s] at unit quaternions q (..., 4), in the axes of the field's frame."""

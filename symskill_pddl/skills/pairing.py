@@ -10,75 +10,79 @@ import numpy as np
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, frozen
 
-_KNOTS = 33
-_LEAD_WIDTH_RAD = 0.06
+_KNOTS = 65
+_LEAD_WIDTH_RAD = 0.03
 """A rotation this far ahead of the position waits."""
-_LAG_SLACK_RAD, _LAG_WIDTH_RAD = 0.05, 0.15
-"""A position waits for a rotation that is behind by more than the first; fully at the sum of both."""
+_LAG_WIDTH_RAD = 0.06
+"""A position slows down for a rotation that is behind, the most from this angle on."""
 _LEAST = 0.25
 """The position never waits altogether: a hand that cannot turn still arrives. (A rotation can: the position always moves on.)"""
+WIDTHS = (_LEAD_WIDTH_RAD, _LAG_WIDTH_RAD, _LEAST)
 
 
 @dataclass(frozen=True, eq=False)
 class Pairing:
-    """The demonstrated angle to the goal at each distance to the goal.
+    """The demonstrated curve of distance and angle to the goal, d and a, both as fractions of their largest.
 
-    Both factors it yields only scale a velocity, so they keep every property of the fields but the time taken.
+    It is kept as d - a over d + a. Both fall along a demonstration, so the sum falls strictly and the difference is a function
+    of it, also where the hand turns without moving or moves without turning. A pose off the curve has a rotation that is ahead
+    (d - a larger than shown) or behind. Both factors made from that only scale a velocity, so they keep every property of the
+    fields but the time taken.
 
     Attributes
     ----------
     reach : float
-        Distance in the metric P at the last knot.
-    angles : (m,)
-        Angle [rad] at evenly spaced distances from 0 to `reach`; does not fall.
+        Largest distance, in the metric P.
+    turn : float
+        Largest angle [rad].
+    difference : (m,)
+        d - a at even steps of d + a from 0 to 2.
     """
 
     reach: float
-    angles: Array
+    turn: float
+    difference: Array
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "angles", frozen(self.angles))
-        if not (self.reach > 0 and self.angles.ndim == 1 and len(self.angles) >= 2 and np.all(np.diff(self.angles) >= 0)):
-            raise InputError("a pairing needs a positive reach and at least two angles that do not fall")
+        object.__setattr__(self, "difference", frozen(self.difference))
+        m = self.difference.shape
+        if not (self.reach > 0 and self.turn > 0 and len(m) == 1 and m[0] >= 2 and np.all(np.abs(self.difference) <= 2.0)):
+            raise InputError("a pairing needs a positive reach and turn, and at least two differences within -2 and 2")
 
     @classmethod
     def none(cls) -> Pairing:
-        """For demonstrations without a path: the position waits for large rotations, no rotation waits."""
-        return cls(1.0, np.zeros(2))
+        """For demonstrations without a path: no rotation waits, and the position waits for large rotations."""
+        return cls(1e9, np.pi, np.zeros(2))
 
-    def factors(self, distance: Array, angle: Array) -> tuple[Array, Array]:
-        """Speed factors (...) of position and rotation at distances (...) and angles (...) to the goal."""
-        ahead = np.interp(distance, np.linspace(0.0, self.reach, len(self.angles)), self.angles) - angle
-        position = np.clip(1.0 + (ahead + _LAG_SLACK_RAD) / _LAG_WIDTH_RAD, _LEAST, 1.0)
-        return position, np.clip(1.0 - ahead / _LEAD_WIDTH_RAD, 0.0, 1.0)
+    def factors(self, distance: float, angle: float) -> tuple[float, float]:
+        """Speed factors of position and rotation at a distance (in the metric) and an angle [rad] to the goal."""
+        from symskill_pddl.skills.kernels import lead
 
-    def factors_at(self, distance: float, angle: float) -> tuple[float, float]:
-        """The same for one pose, on plain floats."""
-        last = len(self.angles) - 1
-        at = min(distance / self.reach, 1.0) * last
-        i = min(int(at), last - 1)
-        low, high = self.angles[i].item(), self.angles[i + 1].item()
-        ahead = low + (at - i) * (high - low) - angle
-        position = min(max(1.0 + (ahead + _LAG_SLACK_RAD) / _LAG_WIDTH_RAD, _LEAST), 1.0)
-        return position, min(max(1.0 - ahead / _LEAD_WIDTH_RAD, 0.0), 1.0)
+        ahead = lead(distance, angle, self.reach, self.turn, self.difference)
+        return min(max(1.0 + ahead / _LAG_WIDTH_RAD, _LEAST), 1.0), min(max(1.0 - ahead / _LEAD_WIDTH_RAD, 0.0), 1.0)
 
 
-def fit_pairing(distances: Sequence[Array], angles: Sequence[Array]) -> Pairing:
-    """From each demonstration's distances (n,) and angles (n,) to the goal, sample by sample."""
-    reach = max((float(d.max()) for d in distances), default=0.0)
-    if reach <= 0.0:
+def fit_pairing(ways: Sequence[tuple[Array, Array]], P: Array) -> Pairing:
+    """From each demonstration's errors (n, 3), (n, 3) of position and rotation to the goal; they need not end in 0."""
+    pairs = [(_to_goal(e_p), _to_goal(e_q)) for e_p, e_q in ways]
+    curves = [(np.sqrt(np.maximum((x * (x @ P)).sum(-1), 0.0)), np.linalg.norm(r, axis=-1)) for x, r in pairs]
+    reach, turn = (max((float(curve[i].max()) for curve in curves), default=0.0) for i in (0, 1))
+    if reach <= 0.0 or turn <= 0.0:
         return Pairing.none()
-    knots = np.linspace(0.0, reach, _KNOTS)
-    table = np.full((len(distances), _KNOTS), np.nan)
-    for row, d, a in zip(table, distances, angles, strict=True):
-        if d.max() <= 0.0:
-            continue
+    knots = np.linspace(0.0, 2.0, _KNOTS)
+    table = np.full((len(curves), _KNOTS), np.nan)
+    for row, (d, a) in zip(table, curves, strict=True):
         # going back from the end: the last time the demonstration was this near counts
-        nearest = np.maximum.accumulate(d[::-1])
-        first = np.concatenate([[True], np.diff(nearest) > 1e-12 * reach])
-        row[:] = np.interp(knots, nearest[first], (a[::-1] - a[-1])[first], right=np.nan)
+        d, a = (np.maximum.accumulate(values[::-1]) / size for values, size in ((d, reach), (a, turn)))
+        first = np.concatenate([[True], np.diff(d + a) > 1e-12])
+        row[:] = np.interp(knots, (d + a)[first], (d - a)[first], right=np.nan)
     counts = np.isfinite(table).sum(0)
+    known = counts > 0
     mean = np.nansum(table, axis=0) / np.maximum(counts, 1)
-    mean[counts == 0] = mean[counts > 0][-1] if np.any(counts > 0) else 0.0
-    mean[0] = 0.0
-    return Pairing(reach, np.maximum.accumulate(np.maximum(mean, 0.0)))
+    return Pairing(reach, turn, np.interp(knots, knots[known], mean[known]))
+
+
+def _to_goal(e: Array) -> Array:
+    """Errors (n, 3), bent smoothly so that they end in 0."""
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(e, axis=0), axis=-1))])
+    return np.asarray(e - (way / max(float(way[-1]), 1e-12))[:, None] ** 2 * e[-1])

@@ -39,17 +39,6 @@ def rotate(q: Quaternion, v: Vector) -> Vector:
     return a + w * tx + y * tz - z * ty, b + w * ty + z * tx - x * tz, c + w * tz + x * ty - y * tx
 
 
-def log(q: Quaternion) -> Vector:
-    """Rotation vector; q and -q give the same one, also at the angle pi."""
-    w, x, y, z = q
-    # the sign is folded by w; where w is 0 the first non-zero component of the axis decides
-    if w < 0.0 or (w == 0.0 and (x < 0.0 or (x == 0.0 and (y < 0.0 or (y == 0.0 and z < 0.0))))):
-        w, x, y, z = -w, -x, -y, -z
-    norm = sqrt(x * x + y * y + z * z)
-    scale = 2.0 if norm < 1e-10 else 2.0 * atan2(norm, w) / norm
-    return scale * x, scale * y, scale * z
-
-
 def angle(a: Quaternion, b: Quaternion) -> float:
     """Angle between two rotations [rad], in [0, pi]."""
     w, x, y, z = multiply(conjugate(a), b)

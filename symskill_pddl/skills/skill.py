@@ -125,7 +125,8 @@ class Skill:
             out[f"{key}.frame"] = np.array(phase.frame)
             out[f"{key}.close_gripper"] = np.array(phase.close_gripper)
             out[f"{key}.limits"] = np.array([phase.tolerance_p, phase.tolerance_r, phase.duration_s])
-            out[f"{key}.pairing"] = np.concatenate([[phase.field.pairing.reach], phase.field.pairing.angles])
+            out[f"{key}.pairing.sizes"] = np.array([phase.field.pairing.reach, phase.field.pairing.turn])
+            out[f"{key}.pairing.difference"] = phase.field.pairing.difference
             parts: tuple[tuple[str, PositionField | OrientationField], ...] = (
                 ("position", phase.field.position),
                 ("orientation", phase.field.orientation),
@@ -170,11 +171,13 @@ def _phase(arrays: Mapping[str, NDArray[Any]], key: str) -> Phase:
         return Certificate(arrays[f"{name}.metric"], rate, norm, period)
 
     position, orientation = f"{key}.position", f"{key}.orientation"
+    reach, turn = (float(value) for value in arrays[f"{key}.pairing.sizes"])
+    pairing = Pairing(reach, turn, arrays[f"{key}.pairing.difference"])
     field = Field(
         PositionField(lpv(position), arrays[f"{position}.goal"]),
         OrientationField(lpv(orientation), arrays[f"{orientation}.goal"]),
         (certificate(position), certificate(orientation)),
-        Pairing(float(arrays[f"{key}.pairing"][0]), arrays[f"{key}.pairing"][1:]),
+        pairing,
     )
     tolerance_p, tolerance_r, duration = (float(value) for value in arrays[f"{key}.limits"])
     return Phase(str(arrays[f"{key}.frame"]), field, bool(arrays[f"{key}.close_gripper"]), tolerance_p, tolerance_r, duration)
