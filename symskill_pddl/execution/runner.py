@@ -16,7 +16,7 @@ from symskill_pddl.execution.config import MotionConfig
 from symskill_pddl.execution.recovery import capped
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.scene import Command, Scene
-from symskill_pddl.skills import Ellipsoids, Phase, Skill, modulate, scalar
+from symskill_pddl.skills import Phase, Skill, Superellipsoids, modulate, scalar
 from symskill_pddl.skills.skill import UNSHIFTED
 
 
@@ -89,7 +89,7 @@ class SkillRun:
         *,
         shift: tuple[str, Pose] | None = None,
         first: int = 0,
-        obstacles: Callable[[Scene], Ellipsoids] | None = None,
+        obstacles: Callable[[Scene], Superellipsoids] | None = None,
     ) -> None:
         for phase in skill.phases:
             if phase.frame not in binding:
@@ -232,6 +232,6 @@ class Obstacles:
         self._radii = 1.3 * np.array([extents[kind] for _, _, kind in rows]).reshape(-1, 3) + config.obstacle_clearance
         self._velocities = velocities
 
-    def __call__(self, scene: Scene) -> Ellipsoids:
+    def __call__(self, scene: Scene) -> Superellipsoids:
         velocity = np.zeros(self._radii.shape) if self._velocities is None else self._velocities()[self._rows]
-        return Ellipsoids(scene.T_world_objects[self._rows], self._radii, velocity)
+        return Superellipsoids(scene.T_world_objects[self._rows], self._radii, velocity)

@@ -3,7 +3,7 @@
 from symskill_pddl.skills.config import FitConfig
 from symskill_pddl.skills.field import Field
 from symskill_pddl.skills.following import rollout
-from symskill_pddl.skills.obstacles import Ellipsoids, modulate
+from symskill_pddl.skills.obstacles import Superellipsoids, box, ellipsoid, modulate
 from symskill_pddl.skills.orientation import OrientationField
 from symskill_pddl.skills.position import PositionField
 from symskill_pddl.skills.skill import Phase, Skill
@@ -13,7 +13,6 @@ from symskill_pddl.skills.trajectory import Trajectory
 
 __all__ = [
     "Certificate",
-    "Ellipsoids",
     "Field",
     "FitConfig",
     "FitReport",
@@ -21,7 +20,10 @@ __all__ = [
     "Phase",
     "PositionField",
     "Skill",
+    "Superellipsoids",
     "Trajectory",
+    "box",
+    "ellipsoid",
     "fit_fields",
     "fit_phases",
     "fit_reported",

@@ -51,7 +51,8 @@ class Field:
         """The same for positions (..., 3) and unit quaternions (..., 4)."""
         from symskill_pddl.skills.kernels import twists
 
-        out: Array = twists(p.reshape(-1, 3), q.reshape(-1, 4), *self._parts)  # type: ignore[attr-defined]
+        # copies: one memory layout, compiled once
+        out: Array = twists(np.array(p).reshape(-1, 3), np.array(q).reshape(-1, 4), *self._parts)  # type: ignore[attr-defined]
         return out.reshape(*p.shape[:-1], 6)
 
     @cached_property

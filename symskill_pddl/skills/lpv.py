@@ -52,7 +52,7 @@ class Lpv:
         """Velocity (..., 3) at errors e (..., 3); zero exactly at e = 0."""
         from symskill_pddl.skills.kernels import velocities
 
-        out: Array = velocities(e.reshape(-1, 3), self.arrays)
+        out: Array = velocities(np.array(e).reshape(-1, 3), self.arrays)
         return out.reshape(e.shape)
 
     @property

@@ -9,7 +9,7 @@ from symskill_pddl.execution.config import MotionConfig
 from symskill_pddl.execution.runner import Obstacles, SkillRun
 from symskill_pddl.geometry import Pose
 from symskill_pddl.scene import Scene
-from symskill_pddl.skills import Ellipsoids, Skill
+from symskill_pddl.skills import Skill, Superellipsoids
 
 CONFIG = MotionConfig()
 ABOVE, HAND = Pose([0, 0, 0.1], DOWN), Pose([0, 0, 0], DOWN)
@@ -111,7 +111,7 @@ def test_caps():
 def test_flows_around_an_obstacle_and_reports_the_nominal_twist():
     world = FakeWorld()
     centre = 0.5 * (world.ee.p + world.cheese.p + [0, 0, 0.1])
-    ball = Ellipsoids(Pose([centre], [[1.0, 0, 0, 0]]), np.full((1, 3), 0.06), np.zeros((1, 3)))
+    ball = Superellipsoids(Pose([centre], [[1.0, 0, 0, 0]]), np.full((1, 3), 0.06), np.zeros((1, 3)))
     run = SkillRun(PICK, BINDING, world.observe(), CONFIG, obstacles=lambda scene: ball)
     free = SkillRun(PICK, BINDING, world.observe(), CONFIG)
     assert run.tick(world.observe()).speed == free.tick(world.observe()).speed
@@ -128,7 +128,7 @@ def test_flows_around_an_obstacle_and_reports_the_nominal_twist():
 
 def test_an_obstacle_around_the_goal_is_ignored():
     world = FakeWorld()
-    ball = Ellipsoids(Pose([world.cheese.p], [[1.0, 0, 0, 0]]), np.full((1, 3), 0.2), np.zeros((1, 3)))
+    ball = Superellipsoids(Pose([world.cheese.p], [[1.0, 0, 0, 0]]), np.full((1, 3), 0.2), np.zeros((1, 3)))
     run = SkillRun(PICK, BINDING, world.observe(), CONFIG, obstacles=lambda scene: ball)
     assert drive(world, run, until=lambda m: m.stage == 2)[-1].stage == 2
 
