@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Make domains/kitchen and problems/kitchen from the shipped demonstrations, by the commands a user would type.
+# Make domains/kitchen and problems/kitchen from the shipped demonstrations, by the commands a user would type;
+# in every dialect: strips at the top, the others in folders of their own.
 # Usage: scripts/make_examples.sh [FOLDER]     (default: the repository)
 set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
@@ -11,9 +12,9 @@ trap 'rm -rf "$library"' EXIT
 mkdir -p "$to/domains/kitchen" "$to/problems/kitchen"
 
 "$symskill" learn "$root"/symskill_pddl/data/kitchen/*.hdf5 -o "$library/kitchen"
-"$symskill" export "$library/kitchen" --name kitchen -o "$to/domains/kitchen"
+"$symskill" export "$library/kitchen" --name kitchen --dialect all -o "$to/domains/kitchen"
 while read -r file task seed; do
-    "$symskill" problem "$library/kitchen" --name kitchen --task "$task" --seed "$seed" -o "$to/problems/kitchen/$file.pddl"
+    "$symskill" problem "$library/kitchen" --name kitchen --dialect all --task "$task" --seed "$seed" -o "$to/problems/kitchen/$file.pddl"
 done <<'EOF'
 open-door OpenSingleDoor 0
 close-door CloseSingleDoor 0

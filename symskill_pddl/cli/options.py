@@ -18,7 +18,7 @@ GoalOption = Annotated[
     str | None, typer.Option("--goal", metavar="ATOMS", help='Instead of the learned goal: "(atom object ...) ...".')
 ]
 PlannerOption = Annotated[str | None, typer.Option("--planner", help="One that `symskill planners` lists.")]
-DialectOption = Annotated[str, typer.Option("--dialect", help="strips, negative, costs or temporal.")]
+DialectOption = Annotated[str, typer.Option("--dialect", help="strips, negative, costs or temporal; or all of them.")]
 NamesOption = Annotated[Path | None, typer.Option("--names", help='A JSON file {"renames": {"name": "wished-name"}}.')]
 DisturbOption = Annotated[
     list[str] | None, typer.Option("--disturb", metavar="SPEC", help="For example close-door@op=2; may be repeated.")

@@ -18,6 +18,7 @@ from symskill_pddl.cli.options import (
     PlannerOption,
     SeedOption,
     TaskOption,
+    make_folder,
     write_text,
 )
 from symskill_pddl.errors import NoPlanError
@@ -36,9 +37,10 @@ def export(
     strict: Annotated[bool, typer.Option("--strict", help="All that held in every demonstration is a precondition.")] = False,
 ) -> None:
     """Write a library's domain as PDDL."""
-    learned = work.open_library(library)
-    domain, _ = work.export_domain(learned, output, name, dialect, work.renames(names), strict=strict)
-    remark(f"{output / 'domain.pddl'}: {len(domain.predicates)} predicates, {len(domain.operators)} actions ({dialect})")
+    learned, renamed = work.open_library(library), work.renames(names)
+    for form, folder in work.forms(learned.domain(name, strict=strict), dialect, output):
+        domain, _ = work.export_domain(learned, folder, name, form, renamed, strict=strict)
+        remark(f"{folder / 'domain.pddl'}: {len(domain.predicates)} predicates, {len(domain.operators)} actions ({form})")
 
 
 def problem(
@@ -63,7 +65,11 @@ def problem(
         told = f"assumed {assumption.atom}: {thing} is in no known relation, this is the nearest (margin {assumption.margin:.2f})"
         header.append(told)
         remark(told)
-    work.export_problem(episode.problem, episode.domain, output, dialect, work.renames(names), header)
+    renamed = work.renames(names)
+    for form, folder in work.forms(episode.domain, dialect, output.parent):
+        if folder != output.parent:
+            make_folder(folder)
+        work.export_problem(episode.problem, episode.domain, folder / output.name, form, renamed, header)
     remark(f"{output}: {len(episode.problem.objects)} objects, goal {' '.join(str(a) for a in sorted(episode.problem.goal))}")
 
 

@@ -119,6 +119,16 @@ def renames(path: Path | None) -> dict[str, str]:
     return load_renames(path) if path is not None else {}
 
 
+def forms(domain: Domain, dialect: str, folder: Path) -> tuple[tuple[str, Path], ...]:
+    """Dialects to write, and where; ``all`` puts the plainest that can say the domain into the folder, the others below it."""
+    from symskill_pddl.pddl import expressible
+
+    if dialect != "all":
+        return ((dialect, folder),)
+    first, *others = expressible(domain)
+    return ((first, folder), *((other, folder / other) for other in others))
+
+
 def export_domain(
     library: Library, folder: Path, name: str, dialect: str, renamed: dict[str, str], *, strict: bool = False
 ) -> tuple[Domain, Names]:
