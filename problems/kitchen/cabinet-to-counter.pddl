@@ -1,4 +1,5 @@
 ; task PnPCabToCounter, seed 0
+; assumed (knob-unturned knob stove): knob is in no known relation, this is the nearest (margin -0.94)
 (define (problem pnpcabtocounter-0)
   (:domain kitchen)
   (:objects

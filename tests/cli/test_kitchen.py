@@ -33,8 +33,10 @@ def test_the_examples_in_the_repository_are_what_the_commands_make(tmp_path: Pat
     environment = {**os.environ, "SYMSKILL": str(Path(sys.executable).parent / "symskill")}
     subprocess.run([ROOT / "scripts" / "make_examples.sh", tmp_path], check=True, env=environment, capture_output=True)
     for folder in ("domains/kitchen", "problems/kitchen"):
-        made = sorted(p.name for p in (tmp_path / folder).iterdir())
-        assert made == sorted(p.name for p in (ROOT / folder).iterdir())
+        made, stored = (
+            sorted(str(p.relative_to(root / folder)) for p in (root / folder).rglob("*.*")) for root in (tmp_path, ROOT)
+        )
+        assert made == stored
         _, different, missing = filecmp.cmpfiles(tmp_path / folder, ROOT / folder, made, shallow=False)
         assert (different, missing) == ([], [])
     assert (tmp_path / "README.md").read_text() == (ROOT / "README.md").read_text()

@@ -25,7 +25,6 @@ def stored(domain, problem):
 
 TASKS = {
     "egg": lambda: (kitchen(), covered_egg()),
-    "learned": lambda: stored("domains/kitchen/domain.pddl", "problems/kitchen/store-cheese.pddl"),
     "benchmark": lambda: stored("benchmarks/data/planning/domain.pddl", "benchmarks/data/planning/example.pddl"),
 }
 

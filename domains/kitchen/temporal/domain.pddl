@@ -1,0 +1,684 @@
+; Learned from demonstrations by symskill. What a predicate means geometrically stands above it.
+; This file may be edited by hand; `symskill check` says what an edit means.
+(define (domain kitchen)
+  (:requirements :strips :typing :durative-actions)
+  (:types
+    ; fits a box of 30 x 38 x 50 cm
+    cabinet - object
+    ; fits a box of 72 x 180 x 4.0 cm
+    counter - object
+    ; fits a box of 1.8 x 38 x 50 cm
+    door - object
+    ; fits a box of 1.8 x 26 x 17 cm
+    drawer - object
+    ; fits a box of 32 x 27 x 20 cm
+    drawer-unit - object
+    ; fits a box of 6.0 x 5.0 x 4.8 cm
+    food - object
+    ; fits a box of 4.5 x 1.2 x 2.8 cm
+    knob - object
+    ; fits a box of 9.0 x 1.4 x 1.4 cm
+    lever - object
+    ; fits a box of 30 x 26 x 8.0 cm
+    sink - object
+    ; fits a box of 36 x 16 x 1.2 cm
+    stove - object
+  )
+  (:predicates
+    ; built in: the fingers are told to open and are further apart than 6.1 cm; false again below 4.9 cm
+    (gripper-open)
+    ; gripper at x -4.8, y 14.4, z -13.7 cm in the door's frame, give or take 1.8 x 1.8 x 2.6 cm
+    ; turned 132 deg about (-0.05, 1.00, 0.02), give or take 22 x 17 x 22 deg
+    ; false again beyond 1.3 times that
+    (gripper-at-door-to-close ?door - door)
+    ; gripper at x 3.8, y 12.9, z -11.8 cm in the door's frame, give or take 3.2 x 2.4 x 3.5 cm
+    ; turned 175 deg about (-0.08, -0.88, 0.46), give or take 16 x 31 x 25 deg
+    ; false again beyond 1.3 times that
+    (gripper-at-door-to-open ?door - door)
+    ; gripper at x -3.2, y 2.8, z 0.0 cm in the lever's frame, give or take 3.1 x 2.9 x 2.3 cm
+    ; turned 164 deg about (-0.14, 0.99, 0.02), give or take 21 x 18 x 48 deg
+    ; false again beyond 1.3 times that
+    (gripper-at-lever-to-turn ?lever - lever)
+    ; gripper at x -3.4, y -3.4, z 0.1 cm in the lever's frame, give or take 4.1 x 3.0 x 3.0 cm
+    ; turned 165 deg about (-0.14, 0.99, 0.02), give or take 19 x 20 x 40 deg
+    ; false again beyond 1.3 times that
+    (gripper-at-lever-to-turn-back ?lever - lever)
+    ; gripper at x -5.3, y 14.5, z -12.3 cm in the door's frame, give or take 1.8 x 1.8 x 3.2 cm
+    ; turned 131 deg about y, give or take 22 x 17 x 21 deg
+    ; false again beyond 1.3 times that
+    (gripper-holds-door-from-closed ?door - door)
+    ; gripper at x 0.1, y 18.8, z -10.1 cm in the door's frame, give or take 2.4 x 2.4 x 5.5 cm
+    ; turned 157 deg about (0.67, 0.72, -0.19), give or take 18 x 17 x 19 deg
+    ; false again beyond 1.3 times that
+    (gripper-holds-door-from-open ?door - door)
+    ; gripper at x -6.8, y -0.3, z 3.0 cm in the drawer's frame, give or take 1.8 x 3.9 x 1.8 cm
+    ; turned 160 deg about (-0.70, 0.70, -0.18), give or take 18 x 16 x 16 deg
+    ; false again beyond 1.3 times that
+    (gripper-holds-drawer-to-close ?drawer - drawer)
+    ; gripper at x -7.0, y -0.3, z 2.9 cm in the drawer's frame, give or take 1.8 x 3.9 x 1.8 cm
+    ; turned 160 deg about (-0.70, 0.69, -0.18), give or take 18 x 16 x 16 deg
+    ; false again beyond 1.3 times that
+    (gripper-holds-drawer-to-open ?drawer - drawer)
+    ; gripper at x -0.1, y 0.0, z 0.1 cm in the food's frame, give or take 2.2 x 2.2 x 2.2 cm
+    ; turned 168 deg about y, give or take 15 x 15 x 16 deg
+    ; false again beyond 1.3 times that
+    (gripper-holds-food ?food - food)
+    ; gripper at x -0.1, y 0.1, z -0.2 cm in the knob's frame, give or take 1.9 x 1.8 x 1.8 cm
+    ; turned 174 deg about y, give or take 16 x 17 x 16 deg
+    ; false again beyond 1.3 times that
+    (gripper-holds-knob-to-turn ?knob - knob)
+    ; gripper at x -0.1, y 0.1, z -0.2 cm in the knob's frame, give or take 1.9 x 1.8 x 1.8 cm
+    ; turned 174 deg about y, give or take 16 x 17 x 16 deg
+    ; false again beyond 1.3 times that
+    (gripper-holds-knob-to-turn-back ?knob - knob)
+    ; door at x -30.3, y -7.7, z 0.0 cm in the cabinet's frame, give or take 1.3 x 1.4 x 1.1 cm
+    ; turned 51 deg about z, give or take 2.7 x 2.7 x 4.4 deg
+    ; false again beyond 1.3 times that
+    (door-ajar ?door - door ?cabinet - cabinet)
+    ; door at x -15.9, y 0.0, z 0.0 cm in the cabinet's frame, give or take 1.0 x 1.0 x 1.0 cm
+    ; not turned, give or take 2.5 x 2.5 x 2.5 deg
+    ; false again beyond 1.3 times that
+    (door-closed ?door - door ?cabinet - cabinet)
+    ; door at x -33.7, y -21.5, z 0.0 cm in the cabinet's frame, give or take 1.5 x 7.4 x 1.1 cm
+    ; turned 95 deg about z, give or take 2.7 x 2.7 x 22 deg
+    ; false again beyond 1.3 times that
+    (door-open ?door - door ?cabinet - cabinet)
+    ; drawer at x -17.0, y 0.0, z 0.0 cm in the drawer-unit's frame, give or take 1.1 x 1.0 x 1.0 cm
+    ; not turned, give or take 2.5 x 2.5 x 2.5 deg
+    ; false again beyond 1.3 times that
+    (drawer-closed ?drawer - drawer ?drawer-unit - drawer-unit)
+    ; drawer at x -33.4, y 0.0, z 0.0 cm in the drawer-unit's frame, give or take 4.3 x 1.2 x 1.2 cm
+    ; not turned, give or take 2.9 x 2.9 x 2.9 deg
+    ; false again beyond 1.3 times that
+    (drawer-open ?drawer - drawer ?drawer-unit - drawer-unit)
+    ; food at x -7.7, y 0.0, z -21.2 cm in the cabinet's frame, give or take 5.2 x 8.5 x 1.2 cm
+    ; turned 1 deg about -z, give or take 3.9 x 3.9 x 31 deg
+    ; false again beyond 1.3 times that
+    (food-in-cabinet ?food - food ?cabinet - cabinet)
+    ; food at x -8.0, y -26.4, z 4.3 cm in the counter's frame, give or take 18 x 62 x 1.2 cm
+    ; turned 8 deg about -z, give or take 2.9 x 2.9 x 24 deg
+    ; false again beyond 1.3 times that
+    (food-on-counter ?food - food ?counter - counter)
+    ; knob at x -11.0, y 0.0, z 2.4 cm in the stove's frame, give or take 1.2 x 1.2 x 1.2 cm
+    ; turned 92 deg about z, give or take 2.9 x 2.9 x 18 deg
+    ; false again beyond 1.3 times that
+    (knob-turned ?knob - knob ?stove - stove)
+    ; knob at x -11.0, y 0.0, z 2.4 cm in the stove's frame, give or take 1.0 x 1.0 x 1.0 cm
+    ; not turned, give or take 3.2 x 3.2 x 4.2 deg
+    ; false again beyond 1.3 times that
+    (knob-unturned ?knob - knob ?stove - stove)
+    ; lever at x 3.7, y 20.8, z 7.8 cm in the sink's frame, give or take 2.0 x 1.3 x 1.2 cm
+    ; turned 73 deg about -z, give or take 2.9 x 2.9 x 22 deg
+    ; false again beyond 1.3 times that
+    (lever-turned ?lever - lever ?sink - sink)
+    ; lever at x 0.5, y 16.5, z 7.8 cm in the sink's frame, give or take 1.0 x 1.0 x 1.0 cm
+    ; not turned, give or take 2.5 x 2.5 x 2.5 deg
+    ; false again beyond 1.3 times that
+    (lever-unturned ?lever - lever ?sink - sink)
+    ; the arm does one thing at a time
+    (arm-free)
+  )
+
+  ; reach, learned from 10 episodes in 10 demonstrations; took 3.8 s on average, 4.6 s at most
+  ; skill reach-door-ajar-to-close
+  ; maintains (door-ajar ?door ?cabinet) (gripper-open)
+  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped effect: adds (gripper-holds-door-from-closed ?door): one contact at a time
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action reach-door-ajar-to-close
+    :parameters (?door - door ?cabinet - cabinet)
+    :duration (= ?duration 3.8)
+    :condition (and
+      (at start (arm-free))
+      (at start (door-ajar ?door ?cabinet))
+      (at start (gripper-open))
+      (over all (gripper-open)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (gripper-at-door-to-close ?door))
+      (at end (not (door-ajar ?door ?cabinet)))))
+
+  ; reach, learned from 10 episodes in 10 demonstrations; took 5.3 s on average, 6.8 s at most
+  ; skill reach-door-ajar-to-open
+  ; maintains (door-ajar ?door ?cabinet) (gripper-open)
+  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action reach-door-ajar-to-open
+    :parameters (?door - door ?cabinet - cabinet)
+    :duration (= ?duration 5.3)
+    :condition (and
+      (at start (arm-free))
+      (at start (door-ajar ?door ?cabinet))
+      (at start (gripper-open))
+      (over all (gripper-open)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (gripper-at-door-to-open ?door))
+      (at end (not (door-ajar ?door ?cabinet)))))
+
+  ; reach, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 8.7 s at most
+  ; skill reach-door-closed
+  ; maintains (door-closed ?door ?cabinet)
+  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action reach-door-closed
+    :parameters (?door - door ?cabinet - cabinet)
+    :duration (= ?duration 6.2)
+    :condition (and
+      (at start (arm-free))
+      (at start (door-closed ?door ?cabinet))
+      (at start (gripper-open)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at start (not (gripper-open)))
+      (at end (arm-free))
+      (at end (gripper-holds-door-from-closed ?door))
+      (at end (not (door-closed ?door ?cabinet)))))
+
+  ; reach, learned from 10 episodes in 10 demonstrations; took 9.0 s on average, 11.1 s at most
+  ; skill reach-door-open
+  ; maintains (door-open ?door ?cabinet)
+  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action reach-door-open
+    :parameters (?door - door ?cabinet - cabinet)
+    :duration (= ?duration 9)
+    :condition (and
+      (at start (arm-free))
+      (at start (door-open ?door ?cabinet))
+      (at start (gripper-open)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at start (not (gripper-open)))
+      (at end (arm-free))
+      (at end (gripper-holds-door-from-open ?door))
+      (at end (not (door-open ?door ?cabinet)))))
+
+  ; move, learned from 10 episodes in 10 demonstrations; took 4.4 s on average, 5.6 s at most
+  ; skill close-door
+  ; maintains (gripper-at-door-to-close ?door) (gripper-open)
+  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-door-from-closed ?door) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (gripper-holds-door-from-closed ?door): one contact at a time
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action close-door
+    :parameters (?door - door ?cabinet - cabinet)
+    :duration (= ?duration 4.4)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-at-door-to-close ?door))
+      (at start (gripper-open))
+      (over all (gripper-open)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (door-closed ?door ?cabinet))
+      (at end (not (gripper-at-door-to-close ?door)))))
+
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.5 s on average, 4.4 s at most
+  ; skill open-door
+  ; maintains (gripper-at-door-to-open ?door) (gripper-open)
+  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action open-door
+    :parameters (?door - door ?cabinet - cabinet)
+    :duration (= ?duration 3.5)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-at-door-to-open ?door))
+      (at start (gripper-open))
+      (over all (gripper-open)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (door-open ?door ?cabinet))
+      (at end (not (gripper-at-door-to-open ?door)))))
+
+  ; move, learned from 10 episodes in 10 demonstrations; took 4.7 s on average, 6.0 s at most
+  ; skill move-door-ajar-from-closed
+  ; maintains (gripper-holds-door-from-closed ?door)
+  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action move-door-ajar-from-closed
+    :parameters (?door - door ?cabinet - cabinet)
+    :duration (= ?duration 4.7)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-holds-door-from-closed ?door)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (door-ajar ?door ?cabinet))
+      (at end (gripper-open))
+      (at end (not (gripper-holds-door-from-closed ?door)))))
+
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.9 s on average, 4.9 s at most
+  ; skill move-door-ajar-from-open
+  ; maintains (gripper-holds-door-from-open ?door)
+  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action move-door-ajar-from-open
+    :parameters (?door - door ?cabinet - cabinet)
+    :duration (= ?duration 3.9)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-holds-door-from-open ?door)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (door-ajar ?door ?cabinet))
+      (at end (gripper-open))
+      (at end (not (gripper-holds-door-from-open ?door)))))
+
+  ; reach, learned from 10 episodes in 10 demonstrations; took 7.2 s on average, 9.8 s at most
+  ; skill reach-drawer-open
+  ; maintains (drawer-open ?drawer ?drawer-unit)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped effect: adds (gripper-holds-drawer-to-open ?drawer): one contact at a time
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action reach-drawer-open
+    :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
+    :duration (= ?duration 7.2)
+    :condition (and
+      (at start (arm-free))
+      (at start (drawer-open ?drawer ?drawer-unit))
+      (at start (gripper-open)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at start (not (gripper-open)))
+      (at end (arm-free))
+      (at end (gripper-holds-drawer-to-close ?drawer))
+      (at end (not (drawer-open ?drawer ?drawer-unit)))))
+
+  ; reach, learned from 10 episodes in 10 demonstrations; took 6.8 s on average, 9.7 s at most
+  ; skill reach-drawer-closed
+  ; maintains (drawer-closed ?drawer ?drawer-unit)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped effect: adds (gripper-holds-drawer-to-close ?drawer): one contact at a time
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action reach-drawer-closed
+    :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
+    :duration (= ?duration 6.8)
+    :condition (and
+      (at start (arm-free))
+      (at start (drawer-closed ?drawer ?drawer-unit))
+      (at start (gripper-open)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at start (not (gripper-open)))
+      (at end (arm-free))
+      (at end (gripper-holds-drawer-to-open ?drawer))
+      (at end (not (drawer-closed ?drawer ?drawer-unit)))))
+
+  ; move, learned from 10 episodes in 10 demonstrations; took 2.9 s on average, 3.4 s at most
+  ; skill close-drawer
+  ; maintains (gripper-holds-drawer-to-close ?drawer)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-drawer-to-open ?drawer) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped effect: deletes (gripper-holds-drawer-to-open ?drawer): one contact at a time
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (gripper-holds-drawer-to-open ?drawer): one contact at a time
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action close-drawer
+    :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
+    :duration (= ?duration 2.9)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-holds-drawer-to-close ?drawer)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (drawer-closed ?drawer ?drawer-unit))
+      (at end (gripper-open))
+      (at end (not (gripper-holds-drawer-to-close ?drawer)))))
+
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.2 s on average, 3.9 s at most
+  ; skill open-drawer
+  ; maintains (gripper-holds-drawer-to-open ?drawer)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-drawer-to-close ?drawer) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped effect: deletes (gripper-holds-drawer-to-close ?drawer): one contact at a time
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (gripper-holds-drawer-to-close ?drawer): one contact at a time
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action open-drawer
+    :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
+    :duration (= ?duration 3.2)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-holds-drawer-to-open ?drawer)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (drawer-open ?drawer ?drawer-unit))
+      (at end (gripper-open))
+      (at end (not (gripper-holds-drawer-to-open ?drawer)))))
+
+  ; pick, learned from 10 episodes in 10 demonstrations; took 6.8 s on average, 9.8 s at most
+  ; skill pick-food-from-cabinet
+  ; maintains (door-open ?door ?cabinet) (food-in-cabinet ?food ?cabinet)
+  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action pick-food-from-cabinet
+    :parameters (?food - food ?cabinet - cabinet ?door - door)
+    :duration (= ?duration 6.8)
+    :condition (and
+      (at start (arm-free))
+      (at start (door-open ?door ?cabinet))
+      (at start (food-in-cabinet ?food ?cabinet))
+      (at start (gripper-open))
+      (over all (door-open ?door ?cabinet)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at start (not (gripper-open)))
+      (at end (arm-free))
+      (at end (gripper-holds-food ?food))
+      (at end (not (food-in-cabinet ?food ?cabinet)))))
+
+  ; pick, learned from 10 episodes in 10 demonstrations; took 5.7 s on average, 7.2 s at most
+  ; skill pick-food-from-counter
+  ; maintains (food-on-counter ?food ?counter)
+  ; also true in every demonstration at the start: (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (door-open ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): that another food lies there enables nothing
+  ; dropped precondition (food-on-counter ?food-3 ?counter): that another food lies there enables nothing
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action pick-food-from-counter
+    :parameters (?food - food ?counter - counter)
+    :duration (= ?duration 5.7)
+    :condition (and
+      (at start (arm-free))
+      (at start (food-on-counter ?food ?counter))
+      (at start (gripper-open)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at start (not (gripper-open)))
+      (at end (arm-free))
+      (at end (gripper-holds-food ?food))
+      (at end (not (food-on-counter ?food ?counter)))))
+
+  ; place, learned from 10 episodes in 10 demonstrations; took 7.5 s on average, 9.2 s at most
+  ; skill place-food-in-cabinet
+  ; maintains (door-open ?door ?cabinet) (gripper-holds-food ?food)
+  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action place-food-in-cabinet
+    :parameters (?food - food ?cabinet - cabinet ?door - door)
+    :duration (= ?duration 7.5)
+    :condition (and
+      (at start (arm-free))
+      (at start (door-open ?door ?cabinet))
+      (at start (gripper-holds-food ?food))
+      (over all (door-open ?door ?cabinet)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (food-in-cabinet ?food ?cabinet))
+      (at end (gripper-open))
+      (at end (not (gripper-holds-food ?food)))))
+
+  ; place, learned from 10 episodes in 10 demonstrations; took 7.6 s on average, 9.9 s at most
+  ; skill place-food-on-counter
+  ; maintains (gripper-holds-food ?food)
+  ; also true in every demonstration at the start: (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (door-open ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): that another food lies there enables nothing
+  ; dropped precondition (food-on-counter ?food-3 ?counter): that another food lies there enables nothing
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action place-food-on-counter
+    :parameters (?food - food ?counter - counter)
+    :duration (= ?duration 7.6)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-holds-food ?food)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (food-on-counter ?food ?counter))
+      (at end (gripper-open))
+      (at end (not (gripper-holds-food ?food)))))
+
+  ; reach, learned from 10 episodes in 10 demonstrations; took 5.3 s on average, 7.7 s at most
+  ; skill reach-knob-unturned
+  ; maintains (knob-unturned ?knob ?stove)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink)
+  ; dropped effect: adds (gripper-holds-knob-to-turn-back ?knob): one contact at a time
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action reach-knob-unturned
+    :parameters (?knob - knob ?stove - stove)
+    :duration (= ?duration 5.3)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-open))
+      (at start (knob-unturned ?knob ?stove)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at start (not (gripper-open)))
+      (at end (arm-free))
+      (at end (gripper-holds-knob-to-turn ?knob))
+      (at end (not (knob-unturned ?knob ?stove)))))
+
+  ; reach, learned from 10 episodes in 10 demonstrations; took 5.7 s on average, 8.1 s at most
+  ; skill reach-knob-turned
+  ; maintains (knob-turned ?knob ?stove)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink)
+  ; dropped effect: adds (gripper-holds-knob-to-turn ?knob): one contact at a time
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action reach-knob-turned
+    :parameters (?knob - knob ?stove - stove)
+    :duration (= ?duration 5.7)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-open))
+      (at start (knob-turned ?knob ?stove)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at start (not (gripper-open)))
+      (at end (arm-free))
+      (at end (gripper-holds-knob-to-turn-back ?knob))
+      (at end (not (knob-turned ?knob ?stove)))))
+
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.7 s on average, 4.2 s at most
+  ; skill turn-knob
+  ; maintains (gripper-holds-knob-to-turn ?knob)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-knob-to-turn-back ?knob) (lever-unturned ?lever ?sink)
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (gripper-holds-knob-to-turn-back ?knob): one contact at a time
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action turn-knob
+    :parameters (?knob - knob ?stove - stove)
+    :duration (= ?duration 3.7)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-holds-knob-to-turn ?knob)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (gripper-open))
+      (at end (knob-turned ?knob ?stove))
+      (at end (not (gripper-holds-knob-to-turn ?knob)))))
+
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.2 s on average, 3.9 s at most
+  ; skill turn-knob-back
+  ; maintains (gripper-holds-knob-to-turn-back ?knob)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-knob-to-turn ?knob) (lever-unturned ?lever ?sink)
+  ; dropped effect: deletes (gripper-holds-knob-to-turn ?knob): one contact at a time
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (gripper-holds-knob-to-turn ?knob): one contact at a time
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:durative-action turn-knob-back
+    :parameters (?knob - knob ?stove - stove)
+    :duration (= ?duration 3.2)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-holds-knob-to-turn-back ?knob)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (gripper-open))
+      (at end (knob-unturned ?knob ?stove))
+      (at end (not (gripper-holds-knob-to-turn-back ?knob)))))
+
+  ; reach, learned from 10 episodes in 10 demonstrations; took 6.4 s on average, 9.4 s at most
+  ; skill reach-lever-unturned
+  ; maintains (gripper-open) (lever-unturned ?lever ?sink)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove)
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  (:durative-action reach-lever-unturned
+    :parameters (?lever - lever ?sink - sink)
+    :duration (= ?duration 6.4)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-open))
+      (at start (lever-unturned ?lever ?sink))
+      (over all (gripper-open)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (gripper-at-lever-to-turn ?lever))
+      (at end (not (lever-unturned ?lever ?sink)))))
+
+  ; reach, learned from 10 episodes in 10 demonstrations; took 6.5 s on average, 9.2 s at most
+  ; skill reach-lever-turned
+  ; maintains (gripper-open) (lever-turned ?lever ?sink)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove)
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  (:durative-action reach-lever-turned
+    :parameters (?lever - lever ?sink - sink)
+    :duration (= ?duration 6.5)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-open))
+      (at start (lever-turned ?lever ?sink))
+      (over all (gripper-open)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (gripper-at-lever-to-turn-back ?lever))
+      (at end (not (lever-turned ?lever ?sink)))))
+
+  ; move, learned from 10 episodes in 10 demonstrations; took 1.9 s on average, 2.3 s at most
+  ; skill turn-lever
+  ; maintains (gripper-at-lever-to-turn ?lever) (gripper-open)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove)
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  (:durative-action turn-lever
+    :parameters (?lever - lever ?sink - sink)
+    :duration (= ?duration 1.9)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-at-lever-to-turn ?lever))
+      (at start (gripper-open))
+      (over all (gripper-open)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (lever-turned ?lever ?sink))
+      (at end (not (gripper-at-lever-to-turn ?lever)))))
+
+  ; move, learned from 10 episodes in 10 demonstrations; took 2.6 s on average, 3.8 s at most
+  ; skill turn-lever-back
+  ; maintains (gripper-at-lever-to-turn-back ?lever) (gripper-open)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove)
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  (:durative-action turn-lever-back
+    :parameters (?lever - lever ?sink - sink)
+    :duration (= ?duration 2.6)
+    :condition (and
+      (at start (arm-free))
+      (at start (gripper-at-lever-to-turn-back ?lever))
+      (at start (gripper-open))
+      (over all (gripper-open)))
+    :effect (and
+      (at start (not (arm-free)))
+      (at end (arm-free))
+      (at end (lever-unturned ?lever ?sink))
+      (at end (not (gripper-at-lever-to-turn-back ?lever)))))
+)

@@ -1,0 +1,33 @@
+; task TurnOffSinkFaucet, seed 0
+; assumed (knob-unturned knob stove): knob is in no known relation, this is the nearest (margin -0.94)
+(define (problem turnoffsinkfaucet-0)
+  (:domain kitchen)
+  (:objects
+    cabinet-1 - cabinet
+    drawer-unit-1 - drawer-unit
+    stove-1 - stove
+    sink-1 - sink
+    door-1 - door
+    drawer-1 - drawer
+    knob-1 - knob
+    lever-1 - lever
+    counter-1 - counter
+    cheese - food
+    bread - food
+    can - food
+  )
+  (:init
+    (arm-free)
+    (door-closed door-1 cabinet-1)
+    (drawer-closed drawer-1 drawer-unit-1)
+    (food-in-cabinet bread cabinet-1)
+    (food-on-counter can counter-1)
+    (food-on-counter cheese counter-1)
+    (gripper-open)
+    (knob-unturned knob-1 stove-1)
+    (lever-turned lever-1 sink-1)
+  )
+  (:goal (and
+    (lever-unturned lever-1 sink-1)))
+  (:metric minimize (total-time))
+)
