@@ -26,6 +26,8 @@ RESTED_S = 0.5
 """After a move, the hand is not sent back before this has passed [s]."""
 STRANGERS = ("bottle", "mug", "box")
 """Types of the things that stand about, besides those of the scene."""
+STRANGER_HALF = (0.03, 0.03, 0.03)
+"""Their half sizes [m]."""
 
 
 def with_noise(demo: Demo, truth: Truth, sigma_m: float, rng: np.random.Generator) -> tuple[Demo, Truth]:
@@ -57,7 +59,7 @@ def with_distractors(demo: Demo, truth: Truth, n: int, rng: np.random.Generator)
         type_ = demo.objects[obj] if k % 2 else STRANGERS[(k // 2) % len(STRANGERS)]
         name = f"distractor-{k + 1}"
         objects[name] = type_
-        extents.setdefault(type_, demo.extents.get(demo.objects[obj], (0.03, 0.03, 0.03)))
+        extents.setdefault(type_, STRANGER_HALF)
         turn = quat_exp(np.array([0.0, 0.0, rng.uniform(-np.pi, np.pi)]))
         pose = Pose(p, quat_multiply(turn, demo.pose(obj).q[0]))
         T = Pose(

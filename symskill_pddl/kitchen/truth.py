@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from symskill_pddl.demos.truth import Move, Relation, Truth
 from symskill_pddl.geometry import Pose, rotation_distance
-from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.physics import ROBOT
 from symskill_pddl.kitchen.world import Kitchen
 from symskill_pddl.scene import Scene
@@ -37,6 +36,7 @@ class TruthLog:
 
     def __init__(self, kitchen: Kitchen) -> None:
         self._physics, self._period_s = kitchen.physics, kitchen.period_s
+        self._parts = kitchen.physics.scene.parts
         self._scenes: list[Scene] = []
         self._contacts: list[frozenset[tuple[str, str]]] = []
         self._positions: list[dict[str, float]] = []
@@ -117,8 +117,8 @@ class TruthLog:
         return found
 
     def _rested_at(self, obj: str, k: int, way: int) -> str | None:
-        if obj in layout.PARTS:
-            return layout.PARTS[obj].unit
+        if obj in self._parts:
+            return self._parts[obj].unit
         # a hand that closes on an object may lift it a little before it moves it
         step, n = round(REST_S / self._period_s), len(self._scenes)
         lies = next((i for i in range(k, n if way > 0 else -1, way) if self._under(obj, i)), k)
@@ -127,9 +127,9 @@ class TruthLog:
         return max(sorted(counts), key=lambda ref: counts[ref], default=None)
 
     def _state(self, obj: str, k: int) -> str:
-        if obj not in layout.PARTS:
+        if obj not in self._parts:
             return ""
-        part, position = layout.PARTS[obj], self._positions[k][obj]
+        part, position = self._parts[obj], self._positions[k][obj]
         return "open" if position >= part.opened else "shut" if position <= part.shut else "between"
 
     def _clock(self, k: int) -> float:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from symskill_pddl.kitchen import layout, make
+from symskill_pddl.kitchen import make
 from symskill_pddl.kitchen.record import record_with_truth
 from symskill_pddl.kitchen.truth import TruthLog
 from symskill_pddl.scene import Command
@@ -44,5 +44,5 @@ def test_nobody_moves_what_falls_by_itself_or_stands():
     assert log.truth().moves == ()
     relations = log.truth().relations
     assert all(len(row) == 21 for row in relations.values())
-    assert {obj for kind, obj, _ in relations if kind == "at"} == set(layout.KITCHEN.loose)
+    assert {obj for kind, obj, _ in relations if kind == "at"} == set(kitchen.physics.loose)
     assert not relations["open", "knob", "stove"].any()
