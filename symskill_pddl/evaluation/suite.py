@@ -86,8 +86,12 @@ _ALL = _of_kind("atomic", "composed")
 
 
 def _concerned(kind: Kind) -> tuple[str, ...]:
-    """The tasks that a kind of disturbance concerns, as far as one episode tells."""
-    return tuple(name for name in _ALL if kind.concerns(TASKS[name].draw(np.random.default_rng(0)).focus))
+    """The tasks that a kind of disturbance concerns, as far as one episode tells; of play only if it concerns no others."""
+
+    def found(names: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(name for name in names if kind.concerns(TASKS[name].draw(np.random.default_rng(0)).focus))
+
+    return found(_ALL) or found(_of_kind("play goal"))
 
 
 PRESETS = {

@@ -8,6 +8,7 @@ from symskill_pddl.geometry import Pose, rotation_distance
 from symskill_pddl.kitchen import TASKS, arm, layout, make, parse_disturbance
 from symskill_pddl.kitchen.disturbances import KINDS
 from symskill_pddl.kitchen.disturbances.around import carried
+from symskill_pddl.kitchen.judges import covers
 from symskill_pddl.kitchen.layout import hand_pose
 from symskill_pddl.scene import Command
 
@@ -179,6 +180,39 @@ def test_the_target_is_slid_aside(task):
     assert abs(p[-1, 2] - p[0, 2]) < 0.005
     assert rotation_distance(scenes[-1].pose(food), scenes[0].pose(food)) < 0.1
     assert np.linalg.norm(np.diff(p, axis=0), axis=1).max() / kitchen.period_s < 0.6
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize("task", ["PnPCounterToStove", "PnPStoveToCounter"])
+def test_the_plate_is_slid_with_what_lies_on_it(task):
+    kitchen = make(task, 2, ["move-plate:8cm@t=0"])
+    food, first = kitchen.focus[0], kitchen.observe()
+    last = hold(kitchen, 3.0)[-1]
+    moved = last.pose("plate").p - first.pose("plate").p
+    assert np.linalg.norm(moved[:2]) == pytest.approx(0.08, abs=0.01)
+    assert abs(moved[2]) < 0.003
+    along = last.pose(food).p - first.pose(food).p
+    assert np.linalg.norm(along - (moved if kitchen.focus[1] == "plate" else 0.0)) < 0.02
+
+
+@pytest.mark.simulation
+@pytest.mark.parametrize("nth", range(3))
+def test_the_lid_is_set_on_the_pan_at_a_hands_speed(nth):
+    in_rack = [s for s in range(20) if TASKS["Play"].draw(np.random.default_rng(s)).loose["lid"].on == "dish-rack"]
+    kitchen = make("Play", in_rack[nth], ["put-lid-back@t=0.1"])
+    assert not covers(kitchen.physics, "lid", "pan")
+    scenes = hold(kitchen, 7.0)
+    assert covers(kitchen.physics, "lid", "pan")
+    p = np.array([scene.pose("lid").p for scene in scenes])
+    assert np.linalg.norm(np.diff(p, axis=0), axis=1).max() / kitchen.period_s < 0.4
+    assert kitchen.physics.loads == []
+
+
+@pytest.mark.simulation
+def test_a_scene_without_a_lid_is_told_so():
+    with pytest.raises(InputError, match="'put-lid-back@t=1': the scene has no lid; it has: bread, cabinet") as error:
+        make("OpenSingleDoor", 0, ["put-lid-back@t=1"])
+    assert "\n" not in str(error.value)
 
 
 @pytest.mark.simulation

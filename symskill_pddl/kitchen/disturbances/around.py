@@ -42,17 +42,17 @@ def room(physics: Physics, center: Array, radius: float) -> bool:
 
 
 def slides(physics: Physics, name: str, target: Array) -> bool:
-    """Whether a loose thing can be slid there: nothing in the way, the same support below, and the arm reaches it there."""
-    body, start = physics.bodies[name], physics.T_world(name).p
-    down, way = np.array([0.0, 0.0, -1.0]), target - start
-    here, there = ray(physics, start, down, body), ray(physics, target, down, body)
-    if here[0] < 0 or here[0] != there[0] or abs(here[1] - there[1]) > 0.005:
+    """Whether a loose thing can be slid there: nothing in the way, support below as high, and the arm reaches it there."""
+    body, start, half = physics.bodies[name], physics.T_world(name).p, physics.scene.loose[name].half
+    way = target - start
+    below, height = ray(physics, target, np.array([0.0, 0.0, -1.0]), body)
+    if below < 0 or abs(height - half[2]) > 0.01:
         return False
-    size = float(physics.model.geom_rbound[physics.model.geom_bodyid == body].max())
-    across = np.array([-way[1], way[0], 0.0]) / np.linalg.norm(way)
-    far = float(np.linalg.norm(way)) + size
-    free = all(ray(physics, start + side * size * across, way, body)[1] > far for side in (-0.8, 0.0, 0.8))
-    return free and _within_reach(physics, target)
+    # looked at from the thing's edge on: what stands in it comes along
+    size, far = max(half[:2]) + 0.005, float(np.linalg.norm(way))
+    ahead, across = way / far, np.array([-way[1], way[0], 0.0]) / far
+    edges = (start + size * (np.sqrt(1.0 - side**2) * ahead + side * across) for side in (-0.9, -0.5, 0.0, 0.5, 0.9))
+    return all(ray(physics, edge, way, body)[1] > far + 0.005 for edge in edges) and _within_reach(physics, target)
 
 
 def _within_reach(physics: Physics, p: Array) -> bool:

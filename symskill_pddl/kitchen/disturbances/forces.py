@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from symskill_pddl.geometry import Array, Pose, quat_conjugate, quat_log, quat_multiply
+from symskill_pddl.geometry import Array, Pose, quat_conjugate, quat_exp, quat_log, quat_multiply
 from symskill_pddl.kitchen.disturbances.kind import Doing, periods
 
 if TYPE_CHECKING:
@@ -56,12 +56,14 @@ def pushing(physics: Physics, force: Array) -> Callable[[], None]:
 
 
 class Leading:
-    """A hand that holds a loose thing up and leads it to where `target` is, with no more than `strongest` [N]."""
+    """A hand that holds a loose thing, upright, and leads it to where `target` is, with no more than `strongest` [N]."""
 
     def __init__(self, physics: Physics, name: str, strongest: float) -> None:
         self._physics, self._body, self._strongest = physics, physics.bodies[name], strongest
         self._v = physics.joint_v(name)
-        self.target = physics.T_world(name)
+        T = physics.T_world(name)
+        x, y, _ = T.rotate(np.array([1.0, 0.0, 0.0]))
+        self.target = Pose(T.p, quat_exp([0.0, 0.0, np.arctan2(y, x)]))
 
     def __call__(self) -> None:
         data, model, v = self._physics.data, self._physics.model, self._v
@@ -76,7 +78,7 @@ class Leading:
 
 
 def lead(kitchen: Kitchen, name: str, path: Sequence[Array], speeds: Sequence[float], strongest: float) -> Doing:
-    """Lead a loose thing along points (3,) [m], without turning it, at a speed [m/s] to each, and let go of it there.
+    """Lead a loose thing along points (3,) [m], upright and at a speed [m/s] to each, and let go of it there.
 
     What is in the way is pushed with no more than `strongest` [N]; what does not give way is given up after a second.
     """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import closing
 from math import inf, radians
 from typing import TYPE_CHECKING
@@ -12,7 +13,7 @@ from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.disturbances.hand import drop, obstacle, push
 from symskill_pddl.kitchen.disturbances.kind import Arguments, Doing, Kind, periods
 from symskill_pddl.kitchen.disturbances.sight import freeze, noise
-from symskill_pddl.kitchen.disturbances.things import close, shift
+from symskill_pddl.kitchen.disturbances.things import close, move_plate, put_lid_back, shift
 
 if TYPE_CHECKING:
     from symskill_pddl.kitchen.world import Kitchen
@@ -40,8 +41,10 @@ def _for_a_while(kitchen: Kitchen, effect: Doing) -> Doing:
             yield
 
 
-def _with_something_loose(focus: tuple[str, ...]) -> bool:
-    return any(name in scene.loose for scene in layout.SCENES.values() for name in focus)
+def _about(*types: str) -> Callable[[tuple[str, ...]], bool]:
+    """Whether a task is about a loose thing of these types, or of any."""
+    names = {name for scene in layout.SCENES.values() for name, thing in scene.loose.items() if not types or thing.type in types}
+    return lambda focus: not names.isdisjoint(focus)
 
 
 def _closes(name: str, part: layout.Part) -> Kind:
@@ -53,8 +56,10 @@ def _closes(name: str, part: layout.Part) -> Kind:
 ANY = "any"
 KINDS: dict[str, Kind] = {
     **{f"close-{name}": _closes(name, part) for name, part in layout.PARTS.items()},
-    "drop": Kind(drop, {"s": 0.5}, concerns=_with_something_loose),
-    "shift": Kind(shift, {"m": 0.05}, nameable=True, concerns=_with_something_loose),
+    "drop": Kind(drop, {"s": 0.5}, concerns=_about()),
+    "shift": Kind(shift, {"m": 0.05}, nameable=True, concerns=_about()),
+    "move-plate": Kind(move_plate, {"m": 0.1}, needs=("container",), nameable=True, concerns=_about("container")),
+    "put-lid-back": Kind(put_lid_back, needs=("lid", "cookware"), concerns=_about("lid")),
     "push": Kind(push, {"N": 20.0, "s": 0.5}),
     layout.OBSTACLE: Kind(obstacle, {"m": 0.18, "s": 5.0}, adds={layout.OBSTACLE: layout.OBSTACLE}),
     "freeze": Kind(freeze, {"s": 3.0}, nameable=True),

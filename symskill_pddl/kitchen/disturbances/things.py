@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,8 @@ from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.disturbances.around import slides
 from symskill_pddl.kitchen.disturbances.forces import acting, lead, turning
 from symskill_pddl.kitchen.disturbances.kind import Arguments, Doing, Effect, periods
+from symskill_pddl.kitchen.judges import covers
+from symskill_pddl.kitchen.loose import Lid, Vessel
 
 if TYPE_CHECKING:
     from symskill_pddl.kitchen.world import Kitchen
@@ -19,6 +22,10 @@ _SHUTS_IN = 1.5
 """How long a person takes to shut what is fully open [s]."""
 _LEADS = 0.25
 """Speed at which a person moves a thing [m/s]."""
+_LIFTS = 0.12
+"""How high above the higher of its two places a lid is carried [m]."""
+_AWAY = 0.2
+"""How far the robot's hand has to be for a person to reach in [m]."""
 
 
 def close(part: str) -> Effect:
@@ -44,9 +51,19 @@ def close(part: str) -> Effect:
 
 def shift(kitchen: Kitchen, arguments: Arguments, rng: Generator) -> Doing | None:
     """A person slides the thing that the task is about aside, while the robot does not hold it, in a direction that is drawn."""
-    movable = kitchen.physics.loose
-    name = arguments.about or next((name for name in kitchen.focus if name in movable), None)
-    if name is None or name not in movable or kitchen.physics.robot_touches(name):
+    wanted = [name for name, _ in kitchen.spec.goal_at] or kitchen.focus
+    return _slid(kitchen, arguments, wanted, rng)
+
+
+def move_plate(kitchen: Kitchen, arguments: Arguments, rng: Generator) -> Doing | None:
+    """A person slides the plate aside, with what lies on it, in a direction that is drawn."""
+    return _slid(kitchen, arguments, kitchen.physics.scene.of_type("container"), rng)
+
+
+def _slid(kitchen: Kitchen, arguments: Arguments, wanted: Sequence[str], rng: Generator) -> Doing | None:
+    loose = kitchen.physics.loose
+    name = arguments.about or next((name for name in wanted if name in loose), None)
+    if name is None or name not in loose or kitchen.physics.robot_touches(name):
         return None
     return slide(kitchen, name, arguments["m"], rng)
 
@@ -59,3 +76,22 @@ def slide(kitchen: Kitchen, name: str, distance: float, rng: Generator) -> Doing
         if slides(kitchen.physics, name, target):
             return lead(kitchen, name, [target], [_LEADS], strongest=10.0)
     return None
+
+
+def put_lid_back(kitchen: Kitchen, _arguments: Arguments, _rng: Generator) -> Doing | None:
+    """A person lifts the lid and sets it on the pan, once the robot's hand is away from both."""
+    physics = kitchen.physics
+    (lid, cover), (pan, dish) = (
+        next((name, thing.shape) for name, thing in physics.scene.loose.items() if isinstance(thing.shape, shape))
+        for shape in (Lid, Vessel)
+    )
+    assert isinstance(cover, Lid)
+    assert isinstance(dish, Vessel)
+    near = min(float(np.linalg.norm(physics.T_world_ee().p - physics.T_world(name).p)) for name in (lid, pan))
+    if near < _AWAY or physics.robot_touches(lid) or covers(physics, lid, pan):
+        return None
+    start, seat = physics.T_world(lid).p, physics.T_world(pan).apply(np.array([0.0, 0.0, dish.rim_z - cover.seat_z]))
+    above = np.array([0.0, 0.0, max(start[2], seat[2]) + _LIFTS])
+    over = np.array([1.0, 1.0, 0.0])
+    path = [start * over + above, seat * over + above, seat + np.array([0.0, 0.0, 0.03]), seat]
+    return lead(kitchen, lid, path, [_LEADS, _LEADS, _LEADS, 0.05], strongest=10.0)
