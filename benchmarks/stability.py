@@ -18,7 +18,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
-from time import process_time
 from typing import Any
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -84,6 +83,7 @@ def shake(task: str, seed: int, seconds: float) -> Shaken:
     """Run one episode."""
     kitchen = make(task, seed)
     physics, data, found, told = kitchen.physics, kitchen.physics.data, Shaken(task, seed), set[str]()
+    boxes, loose = solids(physics.model), {name: physics.bodies[name] for name in physics.loose}
     digest, rng = sha256(), np.random.default_rng([seed, list(TASKS).index(task)])
 
     def fault(what: str) -> None:
@@ -101,25 +101,27 @@ def shake(task: str, seed: int, seconds: float) -> Shaken:
                 fault(f"MuJoCo's warning {i}")
         if data.ncon:
             found.deepest_m = max(found.deepest_m, -float(data.contact.dist[: data.ncon].min()))
-        for name in physics.loose:
-            where = inside(physics, physics.T_world(name).p)
-            if where:
+        for name, body in loose.items():
+            if where := inside(physics, boxes, data.xpos[body]):
                 fault(f"{name} {where}")
     found.digest = digest.hexdigest()
-    found.fallen = sum(float(physics.T_world(name).p[2]) < -0.5 for name in physics.loose)
+    found.fallen = sum(float(data.xpos[body, 2]) < -0.5 for body in loose.values())
     return found
 
 
-def inside(physics: Any, p: Any) -> str:
+def solids(model: Any) -> list[int]:
+    """The boxes of the bodies that nothing may get into."""
+    return [g for g in range(model.ngeom) if model.body(model.geom_bodyid[g]).name in FIXED]
+
+
+def inside(physics: Any, boxes: list[int], p: Any) -> str:
     """In what a point (3,) is that it could only get into through a surface, or ''."""
     if np.any(p < ROOM_M[0]) or np.any(p > ROOM_M[1]):
         return "out of the room"
-    for body in FIXED:
-        first = physics.model.body(body).geomadr[0]
-        for geom in range(first, first + physics.model.body(body).geomnum[0]):
-            R = physics.data.geom_xmat[geom].reshape(3, 3)
-            if np.all(np.abs(R.T @ (p - physics.data.geom_xpos[geom])) < physics.model.geom_size[geom]):
-                return f"inside {physics.model.geom(geom).name}"
+    # all of them stand straight
+    for geom in boxes:
+        if np.all(np.abs(p - physics.data.geom_xpos[geom]) < physics.model.geom_size[geom]):
+            return f"inside {physics.model.geom(geom).name}"
     return ""
 
 
@@ -179,15 +181,17 @@ def main() -> int:
     names = arguments.tasks.split(",") if arguments.tasks else [t for t, s in TASKS.items() if s.kind in ("atomic", "play")]
     tasks = [task_named(name).name for name in names]
     found: list[Shaken] = []
-    for task in tasks:
-        begin = process_time()
-        found += [shake(task, seed, arguments.seconds) for seed in range(arguments.seeds)]
-        faults = [f"seed {s.seed}: {fault}" for s in found if s.task == task for fault in s.faults]
-        print(f"{task}: {len(faults)} faults, {process_time() - begin:.0f} s", *faults, sep="\n    ", flush=True)
-    again = [s for s in found if s.seed < arguments.again]
-    digests = elsewhere([(s.task, s.seed, arguments.seconds) for s in again])
-    repeated = {(s.task, s.seed): s.digest == digest for s, digest in zip(again, digests, strict=True)}
-    write_section("stability", page(found, repeated, arguments.seconds, len(found) * arguments.seconds / 3600), arguments.output)
+    repeated: dict[tuple[str, int], bool] = {}
+    for seed in range(arguments.seeds):
+        fresh = [shake(task, seed, arguments.seconds) for task in tasks]
+        found += fresh
+        if seed < arguments.again:
+            digests = elsewhere([(s.task, s.seed, arguments.seconds) for s in fresh])
+            repeated |= {(s.task, s.seed): s.digest == digest for s, digest in zip(fresh, digests, strict=True)}
+        # the page holds what was done so far, if this is stopped
+        hours = len(found) * arguments.seconds / 3600
+        write_section("stability", page(found, repeated, arguments.seconds, hours), arguments.output)
+        print(f"seed {seed}:", "; ".join(f"{s.task}: {fault}" for s in fresh for fault in s.faults) or "no fault", flush=True)
     print(f"{arguments.output}: written")
     return int(any(s.faults for s in found) or not all(repeated.values()))
 
