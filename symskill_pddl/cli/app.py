@@ -7,7 +7,7 @@ import sys
 
 import typer
 
-from symskill_pddl.cli import demos, execute, pddl, quickstart, replay
+from symskill_pddl.cli import demos, evaluate, execute, pddl, quickstart, replay
 from symskill_pddl.cli.console import complain, say
 from symskill_pddl.errors import SymSkillError
 
@@ -30,7 +30,7 @@ app.command()(pddl.planners)
 app.command()(pddl.plan)
 app.command()(pddl.check)
 app.command()(execute.run)
-app.command()(execute.evaluate)
+app.command()(evaluate.evaluate)
 app.command()(replay.replay)
 app.command()(execute.report)
 

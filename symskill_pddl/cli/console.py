@@ -14,8 +14,6 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.table import Table
 from rich.text import Text
 
-from symskill_pddl.errors import InputError
-
 WIDTH = 120
 """Columns of a table that goes to a file or another program."""
 
@@ -104,8 +102,3 @@ class Advance:
             self._bar.console.print(Text(text))
         else:
             remark(text)
-
-
-def not_yet(what: str) -> InputError:
-    """The error for an option of a later version: said, never silently ignored."""
-    return InputError(f"{what} is not available in this version")

@@ -1,17 +1,16 @@
-"""Commands that move the robot or tell of it: run, evaluate, report."""
+"""Commands that move the robot or tell of it: run, report."""
 
 from __future__ import annotations
 
 from contextlib import ExitStack
 from dataclasses import asdict
-from functools import partial as partial_of
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from symskill_pddl.cli import work
-from symskill_pddl.cli.console import emit_json, not_yet, progress, remark, say, table
+from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.cli.film import check_video, filmed
 from symskill_pddl.cli.options import (
     DisturbOption,
@@ -23,6 +22,7 @@ from symskill_pddl.cli.options import (
     NoObstaclesFlag,
     NoReplanningFlag,
     NoResamplingFlag,
+    NoTrackingFlag,
     PlannerOption,
     SeedOption,
     TaskOption,
@@ -32,7 +32,7 @@ from symskill_pddl.cli.options import (
 from symskill_pddl.errors import InputError
 
 if TYPE_CHECKING:
-    from symskill_pddl.evaluation.results import EpisodeResult, Results
+    from symskill_pddl.evaluation.results import EpisodeResult
     from symskill_pddl.evaluation.trial import Episode
     from symskill_pddl.execution.config import ExecutionConfig
     from symskill_pddl.execution.outcome import Outcome
@@ -54,6 +54,7 @@ def run(
     no_monitor: NoMonitorFlag = False,
     no_resampling: NoResamplingFlag = False,
     no_replanning: NoReplanningFlag = False,
+    no_tracking: NoTrackingFlag = False,
     no_obstacles: NoObstaclesFlag = False,
     disturb: DisturbOption = None,
     trace: Annotated[Path | None, typer.Option("--trace", help="Write every decision to this file (JSON lines).")] = None,
@@ -80,7 +81,9 @@ def run(
     for note in episode.notes:
         remark(note)
     checksum = work.checksum(library, domain)
-    config = work.execution_config(no_resampling=no_resampling, no_replanning=no_replanning, no_obstacles=no_obstacles)
+    config = work.execution_config(
+        no_resampling=no_resampling, no_replanning=no_replanning, no_tracking=no_tracking, no_obstacles=no_obstacles
+    )
     with filmed(episode.kitchen, video) as film:
         result, outcome = run_shown(
             learned, episode, seed, engine, monitor=not no_monitor, trace=trace, checksum=checksum, config=config, film=film
@@ -172,95 +175,6 @@ def tell(result: EpisodeResult, outcome: Outcome) -> None:
     measured = [f"{name} {t.p95:.2f} ms (of {t.n})" for name in (TICK, FIRST, AGAIN) if (t := outcome.times.get(name))]
     if measured:
         say(f"computing time at the 95th percentile: {', '.join(measured)}")
-
-
-def evaluate(
-    library: LibraryArgument,
-    output: Annotated[Path, typer.Option("-o", "--output", help="The results file to write.")],
-    tasks: Annotated[str | None, typer.Option("--tasks", help="all, or names separated by commas.")] = None,
-    suite: Annotated[
-        str | None,
-        typer.Option("--suite", help="atomic, composed, disturbed, mixed, or a disturbance's name: tasks and what goes wrong."),
-    ] = None,
-    trials: Annotated[int, typer.Option("--trials", help="Episodes per task.")] = 20,
-    seed: Annotated[int, typer.Option("--seed", help="Seed of the first episode.")] = 1000,
-    planner: PlannerOption = None,
-    domain: EditedOption = None,
-    no_monitor: NoMonitorFlag = False,
-    no_resampling: NoResamplingFlag = False,
-    no_replanning: NoReplanningFlag = False,
-    no_obstacles: NoObstaclesFlag = False,
-    disturb: DisturbOption = None,
-    jobs: Annotated[int, typer.Option("--jobs", help="Processes.")] = 1,
-    ray: Annotated[bool, typer.Option("--ray", help="Not in this version.")] = False,
-    json: JsonFlag = False,
-) -> None:
-    """Run many seeded episodes and count; the results do not depend on --jobs.
-
-    Until the end, every episode is kept in OUTPUT.partial.jsonl: called again after a kill, with the same settings, the
-    evaluation goes on where it was.
-    """
-    from symskill_pddl.evaluation.partial import Partial, partial_path
-    from symskill_pddl.evaluation.results import save_results
-    from symskill_pddl.evaluation.suite import Suite, chosen, run_suite
-
-    if ray:
-        raise not_yet("--ray")
-    config = work.execution_config(no_resampling=no_resampling, no_replanning=no_replanning, no_obstacles=no_obstacles)
-    preset = chosen(tasks, suite)
-    disturbances = (*preset.disturbances, *(disturb or ()))
-    asked = Suite(preset.tasks, trials, seed, planner or "auto", not no_monitor, disturbances, config)
-    require_folder(output)
-    work.open_edited(library, domain)
-    count, checksum = len(asked.episodes), work.checksum(library, domain)
-    with Partial(partial_path(output), asked.settings(checksum), asked.tasks) as partial:
-        if partial.done:
-            remark(f"{count} episodes, {len(partial.done)} of them done before")
-        with progress(f"{count} episodes", total=count) as advance:
-            advance(len(partial.done))
-
-            def done(task: str, episode: EpisodeResult) -> None:
-                partial.add(task, episode)
-                advance(1)
-                advance.remark(f"{task} {episode.seed}: {episode.category} ({episode.time_s:.0f} s)")
-
-            results = run_suite(
-                partial_of(work.open_edited, domain=domain),
-                library,
-                asked,
-                checksum=checksum,
-                jobs=jobs,
-                done=dict(partial.done),
-                on_episode=done,
-            )
-        save_results(output, results)
-        partial.remove()
-    if json:
-        emit_json(results.model_dump(mode="json"))
-    else:
-        show_results(results)
-
-
-def show_results(results: Results) -> None:
-    """A results file as a table."""
-    rows = []
-    for task in results.tasks:
-        low, high = task.interval
-        failures, troubles = (", ".join(f"{n} {name}" for name, n in of.items()) or "-" for of in (task.failures, task.troubles))
-        typical = "-" if task.median_time_s is None else f"{task.median_time_s:.1f}"
-        rows.append(
-            (
-                task.task,
-                f"{task.successes}/{task.trials}",
-                f"{low:.2f}-{high:.2f}",
-                typical,
-                f"{task.mean_replans:.1f}",
-                f"{task.mean_recoveries:.1f}",
-                troubles,
-                failures,
-            )
-        )
-    table("", ("task", "successes", "95 % interval", "median [s]", "new plans", "recoveries", "troubles", "failures"), rows)
 
 
 def report(

@@ -31,6 +31,9 @@ EditedOption = Annotated[
 NoMonitorFlag = Annotated[bool, typer.Option("--no-monitor", help="Carry out the first plan blindly.")]
 NoResamplingFlag = Annotated[bool, typer.Option("--no-resampling", help="Try a failed motion again as it was.")]
 NoReplanningFlag = Annotated[bool, typer.Option("--no-replanning", help="Keep the first plan; retry its steps, or give up.")]
+NoTrackingFlag = Annotated[
+    bool, typer.Option("--no-tracking", help="Leave a skill's field where its objects were when the skill began.")
+]
 NoObstaclesFlag = Annotated[bool, typer.Option("--no-obstacles", help="Do not flow around other objects.")]
 
 

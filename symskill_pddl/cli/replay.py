@@ -141,7 +141,7 @@ def _verdict(verdict: VerdictLine) -> str:
 
 def _head(trace: Trace) -> str:
     header = trace.header
-    off = [name for name in ("monitor", "resampling", "replanning", "obstacles") if not getattr(header, name)]
+    off = [name for name in ("monitor", "resampling", "replanning", "tracking", "obstacles") if not getattr(header, name)]
     goal = " ".join(map(_atom, header.goal))
     without = f", without {', '.join(off)}" if off else ""
     return f"{header.task or 'a run'}, seed {header.seed}, goal {goal}{without}"

@@ -16,7 +16,6 @@ JOBS = max(1, min(os.cpu_count() or 1, 8))
 """Processes that fit skills side by side; the result is the same with any number."""
 
 if TYPE_CHECKING:
-    from symskill_pddl.evaluation.results import Settings
     from symskill_pddl.execution.config import ExecutionConfig
     from symskill_pddl.learning import LearnReport
     from symskill_pddl.library import Experience, Library
@@ -247,11 +246,12 @@ def posed_problem(path: Path, written: Domain, comparison: Comparison) -> Proble
     return back.problem(read_problem_file(path, written))
 
 
-def execution_config(*, no_resampling: bool, no_replanning: bool, no_obstacles: bool) -> ExecutionConfig:
+def execution_config(*, no_resampling: bool, no_replanning: bool, no_tracking: bool, no_obstacles: bool) -> ExecutionConfig:
     """The settings of an execution with some of its mechanisms switched off."""
     from symskill_pddl.execution.config import ExecutionConfig, MotionConfig
 
-    return ExecutionConfig(resample=not no_resampling, replan=not no_replanning, motion=MotionConfig(avoid=not no_obstacles))
+    motion = MotionConfig(track=not no_tracking, avoid=not no_obstacles)
+    return ExecutionConfig(resample=not no_resampling, replan=not no_replanning, motion=motion)
 
 
 def checksum(folder: Path, domain: Path | None = None) -> str:
@@ -269,6 +269,7 @@ def write_report(source: Path, output: Path, library: Library | None = None) -> 
     from symskill_pddl.report import results_page, run_page, write_page
 
     if is_results(source):
+        from symskill_pddl.evaluation.ablations import switched_off
         from symskill_pddl.evaluation.results import load_results
         from symskill_pddl.report.results import ResultRow
 
@@ -293,7 +294,6 @@ def write_report(source: Path, output: Path, library: Library | None = None) -> 
         facts = (
             ("seeds", f"{settings.seed} to {settings.seed + settings.trials - 1}"),
             ("planner", settings.planner),
-            ("monitor", "on" if settings.monitor else "off"),
             ("switched off", ", ".join(switched_off(settings)) or "nothing"),
             ("disturbances", ", ".join(settings.disturbances) or "none"),
             ("intervals", f"Wilson, {100 * results.confidence:.0f} %"),
@@ -305,11 +305,6 @@ def write_report(source: Path, output: Path, library: Library | None = None) -> 
 
         page = run_page(read_trace(source), library)
     write_page(output, page)
-
-
-def switched_off(settings: Settings) -> list[str]:
-    """The mechanisms that an evaluation did without, besides the monitor."""
-    return [name for name in ("resampling", "replanning", "obstacles") if not getattr(settings, name)]
 
 
 def is_results(path: Path) -> bool:

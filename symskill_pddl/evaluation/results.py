@@ -70,6 +70,7 @@ class Settings(_Part):
     monitor: bool
     resampling: bool = True
     replanning: bool = True
+    tracking: bool = True
     obstacles: bool = True
     disturbances: tuple[str, ...]
     seed: int

@@ -1,19 +1,17 @@
-"""Many episodes, one after the other or over processes. The results do not depend on how many processes there are."""
+"""Suites: which episodes, with what switched off and what going wrong, and what they come to."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from multiprocessing import get_context, parent_process
+from functools import partial
 from pathlib import Path
-from threading import Thread
 
 import numpy as np
 
 from symskill_pddl.errors import InputError, MissingDependencyError, SymSkillError, alternatives
 from symskill_pddl.evaluation.results import EpisodeResult, Results, Settings, TaskResult, summarise
+from symskill_pddl.evaluation.spread import Key, Pool, Processes, Work
 from symskill_pddl.evaluation.trial import prepare, run_episode
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.kitchen import TASKS, parse_disturbance, task_named
@@ -63,6 +61,7 @@ class Suite:
             monitor=self.monitor,
             resampling=self.config.resample,
             replanning=self.config.replan,
+            tracking=self.config.motion.track,
             obstacles=self.config.motion.avoid,
             disturbances=self.disturbances,
             seed=self.seed,
@@ -141,8 +140,8 @@ def run_suite(
     suite: Suite,
     *,
     checksum: str = "",
-    jobs: int = 1,
-    done: Mapping[tuple[str, int], EpisodeResult] | None = None,
+    pool: Pool | None = None,
+    done: Mapping[Key, EpisodeResult] | None = None,
     on_episode: Callable[[str, EpisodeResult], None] | None = None,
 ) -> Results:
     """Run every episode of a suite.
@@ -150,19 +149,17 @@ def run_suite(
     Parameters
     ----------
     load, path
-        How and from where each process gets the library; `load` has to be a function of a module.
-    jobs : int
-        Number of processes; 1 runs in this one.
+        How and from where each process gets the library; `load` has to be picklable.
+    pool : Pool, optional
+        Where episodes are run; in this process if it is not given.
     done : mapping, optional
         Results, by task and seed, of episodes that need not be run again.
     on_episode : callable, optional
         Told the task and the result whenever an episode is done, in any order.
     """
-    if jobs < 1:
-        raise InputError(f"an evaluation needs at least one job, got {jobs}")
     found = dict(done or {})
     left = [key for key in suite.episodes if key not in found]
-    for task, result in _run_all(load, path, suite, left, min(jobs, len(left))):
+    for task, result in (pool or Processes()).run(partial(_begin, load, path, suite), left):
         found[task, result.seed] = result
         if on_episode is not None:
             on_episode(task, result)
@@ -170,25 +167,8 @@ def run_suite(
     return Results(settings=suite.settings(checksum), tasks=tuple(tasks))
 
 
-def _run_all(
-    load: Callable[[Path], Library], path: Path, suite: Suite, episodes: Sequence[tuple[str, int]], jobs: int
-) -> Iterator[tuple[str, EpisodeResult]]:
-    if not episodes:
-        return
-    if jobs == 1:
-        library = load(path)
-        for task, seed in episodes:
-            yield task, run_one(library, suite, task, seed)
-        return
-    # spawned, not forked: a fork copies whatever threads and locks this process has
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_start, initargs=(load, path, suite)) as pool:
-        futures = {pool.submit(_work, task, seed): task for task, seed in episodes}
-        try:
-            for future in as_completed(futures):
-                yield futures[future], future.result()
-        finally:
-            # when one stops in the middle, what has not begun does not begin
-            pool.shutdown(wait=False, cancel_futures=True)
+def _begin(load: Callable[[Path], Library], path: Path, suite: Suite) -> Work:
+    return partial(run_one, load(path), suite)
 
 
 def run_one(library: Library, suite: Suite, task: str, seed: int) -> EpisodeResult:
@@ -203,26 +183,3 @@ def run_one(library: Library, suite: Suite, task: str, seed: int) -> EpisodeResu
             seed=seed, success=False, category=ERROR, cause=ERROR, reason=str(error), replans=0, recoveries=0, steps=0, time_s=0.0
         )
     return result
-
-
-_process: tuple[Library, Suite]
-"""What a worker process keeps between episodes."""
-
-
-def _start(load: Callable[[Path], Library], path: Path, suite: Suite) -> None:
-    global _process
-    _process = (load(path), suite)
-    # a worker whose evaluation was killed would wait for work for ever
-    Thread(target=_die_with_parent, daemon=True).start()
-
-
-def _die_with_parent() -> None:
-    parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
-
-
-def _work(task: str, seed: int) -> EpisodeResult:
-    library, suite = _process
-    return run_one(library, suite, task, seed)

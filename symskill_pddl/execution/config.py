@@ -21,6 +21,8 @@ class MotionConfig:
     rest_speed, rest_turn, rest_s, loose
         A phase is also over when the hand has been at rest (slower than these [m/s], [rad/s], for this long [s]) within `loose`
         times the phase's tolerances: contact or the controller's compliance may keep it from the exact goal for ever.
+    track : bool
+        Whether the fields move with their objects; False leaves them where the objects were when the skill began.
     avoid, obstacle_limit, obstacle_clearance
         Whether to flow around other objects; the largest half size [m] of a type taken for an obstacle (walls and fixtures
         are no ellipsoids); what is added to the half sizes for the hand's own [m].
@@ -35,6 +37,7 @@ class MotionConfig:
     rest_turn: float = 0.05
     rest_s: float = 0.4
     loose: float = 3.0
+    track: bool = True
     avoid: bool = True
     obstacle_limit: float = 0.15
     obstacle_clearance: float = 0.04

@@ -98,6 +98,7 @@ def execute(
     config = config or ExecutionConfig()
     told = {"goal": rows(goal), "objects": dict(objects), "monitor": monitor, "period_s": world.period_s}
     told |= {"resampling": config.resample, "replanning": config.replan, "obstacles": config.motion.avoid}
+    told |= {"tracking": config.motion.track}
     journal.emit((header or Header()).model_copy(update=told))
     # the library's own extents are those its classifiers and skills were learned with
     sizes = {**(extents or {}), **library.extents}

@@ -101,7 +101,7 @@ class SkillRun:
         self._fingers = Fingers(scene, config)
         self._stage, self._stage_since = first, scene.time
         self._rest_since = scene.time
-        self._previous = scene
+        self._previous = self._start = scene
         self.obstacles_ms = 0.0
         """How much of the last tick's time went into obstacles [ms]."""
 
@@ -183,7 +183,8 @@ class SkillRun:
 
     def _frame(self, phase: Phase, scene: Scene) -> tuple[Pose, Pose]:
         shifted = self._shift is not None and self._shift[0] == phase.frame
-        return scene.pose(self._binding[phase.frame]), self._shift[1] if shifted and self._shift else UNSHIFTED
+        T_world_frame = (scene if self._config.track else self._start).pose(self._binding[phase.frame])
+        return T_world_frame, self._shift[1] if shifted and self._shift else UNSHIFTED
 
     def _twist(self, stage: int, scene: Scene) -> Array:
         phase = self._skill.phases[stage]

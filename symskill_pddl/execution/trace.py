@@ -53,6 +53,7 @@ class Header(_Line):
     monitor: bool = True
     resampling: bool = True
     replanning: bool = True
+    tracking: bool = True
     obstacles: bool = True
     period_s: float = 0.0
 

@@ -110,10 +110,17 @@ def test_output_that_cannot_be_written_is_found_before_the_work(
         assert "cannot write" in done.error
 
 
-def test_what_this_version_cannot_do_is_said(symskill: Callable[..., Any], library: Path, tmp_path: Path) -> None:
-    done = symskill("evaluate", library, "--tasks", "all", "--ray", "-o", tmp_path / "r.json")
-    assert done.status == 2
-    assert "--ray is not available in this version" in done.error
+def test_evaluations_that_cannot_be(symskill: Callable[..., Any], library: Path, tmp_path: Path) -> None:
+    def refused(*options: str) -> str:
+        done = symskill("evaluate", library, "--tasks", "all", *options, "-o", tmp_path / "r.json")
+        assert done.status == 2
+        assert not list(tmp_path.glob("r.*"))
+        return str(done.error)
+
+    assert "unknown mechanism 'luck'; there are: monitor, obstacles, replanning" in refused("--against", "luck")
+    assert "without tracking needs an evaluation with it" in refused("--no-tracking", "--against", "tracking")
+    assert "names a mechanism twice: monitor, monitor" in refused("--against", "monitor", "--against", "monitor")
+    assert "at least one job, got 0" in refused("--jobs", "0")
 
 
 @pytest.mark.parametrize("command", ["run", "quickstart"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -191,6 +192,23 @@ def test_ablations_and_suites_stand_in_the_results(tmp_path: Path) -> None:
     assert (found.monitor, found.resampling, found.replanning, found.obstacles) == (True, False, False, False)
     assert found.disturbances == ("close-door@op=4", "drop@t=3")
     assert [task.task for task in results.tasks] == ["StoreCheese"]
+
+
+def test_the_same_episodes_without_a_mechanism_are_compared(tmp_path: Path) -> None:
+    against = ("--against", "monitor", "--against", "tracking", "--json")
+    done = subprocess.run(call(tmp_path, "results.json", *against), capture_output=True, text=True, check=True)
+    found = json.loads(done.stdout)
+    assert set(found["against"]) == {"monitor", "tracking"}
+    # these made-up episodes end alike with and without
+    (row,) = found["against"]["monitor"]
+    assert (row["both"], row["neither"], row["difference"], row["p_value"]) == (8, 4, 0.0, 1.0)
+    settings = {name: load_results(tmp_path / f"results.no-{name}.json").settings for name in ("monitor", "tracking")}
+    assert (settings["monitor"].monitor, settings["monitor"].tracking) == (False, True)
+    assert (settings["tracking"].monitor, settings["tracking"].tracking) == (True, False)
+    # called again, nothing of it is run again
+    (tmp_path / "log").unlink()
+    subprocess.run(call(tmp_path, "results.json", *against), capture_output=True, check=True)
+    assert lines(tmp_path / "log") == []
 
 
 def test_other_settings_after_a_kill_are_bad_input(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.evaluation.statistics import median, wilson
+from symskill_pddl.evaluation.statistics import mcnemar, median, paired_difference, wilson
 
 
 def test_wilson_agrees_with_published_values() -> None:
@@ -49,3 +49,32 @@ def test_median() -> None:
     assert median([3.0]) == 3.0
     assert median([4.0, 1.0, 3.0]) == 3.0
     assert median([4.0, 1.0, 3.0, 2.0]) == 2.5
+
+
+def test_paired_differences_are_newcombes() -> None:
+    # the first two rows of the examples in Newcombe's paper, method 10
+    assert paired_difference(36, 12, 2, 0) == pytest.approx((0.0569, 0.3404), abs=5e-5)
+    assert paired_difference(20, 12, 2, 16) == pytest.approx((0.0562, 0.3292), abs=5e-5)
+
+
+@given(st.integers(0, 30), st.integers(0, 30), st.integers(0, 30), st.integers(1, 30))
+def test_a_paired_difference_lies_in_its_interval(a: int, b: int, c: int, d: int) -> None:
+    low, high = paired_difference(a, b, c, d)
+    assert -1.0 - 1e-12 <= low <= (b - c) / (a + b + c + d) <= high <= 1.0 + 1e-12
+    assert paired_difference(a, c, b, d) == pytest.approx((-high, -low))
+
+
+def test_mcnemar_is_exact() -> None:
+    assert mcnemar(0, 0) == 1.0
+    assert mcnemar(1, 0) == 1.0
+    assert mcnemar(0, 9) == mcnemar(9, 0) == 2 / 2**9
+    assert mcnemar(12, 2) == pytest.approx(0.012939453125)
+
+
+def test_counts_of_pairs_cannot_be_negative() -> None:
+    with pytest.raises(InputError, match="negative"):
+        mcnemar(-1, 2)
+    with pytest.raises(InputError, match="negative"):
+        paired_difference(1, -1, 2, 0)
+    with pytest.raises(InputError, match="at least one trial"):
+        paired_difference(0, 0, 0, 0)

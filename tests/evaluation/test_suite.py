@@ -4,6 +4,7 @@ import pytest
 
 from symskill_pddl.errors import InputError, MissingDependencyError
 from symskill_pddl.evaluation import suite as suites
+from symskill_pddl.evaluation.spread import Processes
 from symskill_pddl.evaluation.suite import ERROR, PRESETS, Suite, chosen, run_one, run_suite, tasks_named
 from symskill_pddl.execution.config import ExecutionConfig, MotionConfig
 from symskill_pddl.kitchen import TASKS
@@ -84,7 +85,7 @@ def test_a_wrong_suite_is_refused_before_it_runs(arguments: dict[str, object], m
 
 def test_jobs_have_to_be_positive() -> None:
     with pytest.raises(InputError, match="job"):
-        run_suite(load_empty, Path("library"), Suite(("StoreCheese",), 1, 0), jobs=0)
+        Processes(0)
 
 
 def test_what_cannot_be_set_up_is_a_failure_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -111,7 +112,7 @@ def test_a_missing_package_is_no_failed_episode(monkeypatch: pytest.MonkeyPatch)
 def test_results_do_not_depend_on_the_number_of_processes() -> None:
     # an empty library has no goals, so nothing is simulated for long, but every process sets its episodes up
     suite = Suite(("StoreCheese", "OpenSingleDoor"), trials=2, seed=3)
-    alone = run_suite(load_empty, Path("library"), suite, jobs=1)
-    assert run_suite(load_empty, Path("library"), suite, jobs=2).dumps() == alone.dumps()
+    alone = run_suite(load_empty, Path("library"), suite)
+    assert run_suite(load_empty, Path("library"), suite, pool=Processes(2)).dumps() == alone.dumps()
     assert alone.tasks[0].failures == {ERROR: 2}
     assert "learned no goal" in alone.tasks[0].episodes[0].reason

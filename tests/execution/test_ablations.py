@@ -123,3 +123,23 @@ def test_the_header_says_what_was_switched_off():
     assert (header.resampling, header.replanning, header.obstacles) == (False, False, False)
     _, (header, *_) = run(FakeWorld())
     assert (header.resampling, header.replanning, header.obstacles) == (True, True, True)
+
+
+class TestNoTracking:
+    @pytest.mark.parametrize("track", [True, False])
+    def test_a_thing_that_is_moved_is_followed_by_the_field_alone(self, track):
+        world, done = FakeWorld(angle=1.5), []
+
+        def move():
+            world.cheese = at(*(world.cheese.p + np.array([0.06, -0.05, 0.0])))
+
+        def on_step(index, ground):
+            if ground.name == "pick-from-counter" and not done:
+                done.append(index)
+                world.after(0.3, move)
+
+        outcome, lines = run(world, config=ExecutionConfig(motion=MotionConfig(track=track)), on_step=on_step)
+        # without it the grasp misses, and planning again makes up for it
+        assert outcome.success
+        assert (outcome.replans == 0) is track
+        assert lines[0].tracking is track

@@ -1,0 +1,150 @@
+"""`symskill evaluate`: many seeded episodes, counted; the same ones with a mechanism switched off, compared."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from symskill_pddl.cli import work
+from symskill_pddl.cli.console import emit_json, progress, remark, say, table
+from symskill_pddl.cli.options import (
+    DisturbOption,
+    EditedOption,
+    JsonFlag,
+    LibraryArgument,
+    NoMonitorFlag,
+    NoObstaclesFlag,
+    NoReplanningFlag,
+    NoResamplingFlag,
+    NoTrackingFlag,
+    PlannerOption,
+    require_folder,
+)
+from symskill_pddl.errors import InputError
+
+if TYPE_CHECKING:
+    from symskill_pddl.evaluation.paired import Difference
+    from symskill_pddl.evaluation.results import EpisodeResult, Results
+    from symskill_pddl.evaluation.spread import Pool
+    from symskill_pddl.evaluation.suite import Suite
+
+
+def evaluate(
+    library: LibraryArgument,
+    output: Annotated[Path, typer.Option("-o", "--output", help="The results file to write.")],
+    tasks: Annotated[str | None, typer.Option("--tasks", help="all, or names separated by commas.")] = None,
+    suite: Annotated[
+        str | None,
+        typer.Option("--suite", help="atomic, composed, play, disturbed, mixed, or a disturbance: tasks and what goes wrong."),
+    ] = None,
+    trials: Annotated[int, typer.Option("--trials", help="Episodes per task.")] = 20,
+    seed: Annotated[int, typer.Option("--seed", help="Seed of the first episode.")] = 1000,
+    planner: PlannerOption = None,
+    domain: EditedOption = None,
+    no_monitor: NoMonitorFlag = False,
+    no_resampling: NoResamplingFlag = False,
+    no_replanning: NoReplanningFlag = False,
+    no_tracking: NoTrackingFlag = False,
+    no_obstacles: NoObstaclesFlag = False,
+    against: Annotated[
+        list[str] | None,
+        typer.Option("--against", metavar="MECHANISM", help="Also without it, same episodes, compared; may be repeated."),
+    ] = None,
+    disturb: DisturbOption = None,
+    jobs: Annotated[int | None, typer.Option("--jobs", help="Processes, 1 if not given; with --ray, workers at most.")] = None,
+    ray: Annotated[
+        str | None, typer.Option("--ray", metavar="ADDRESS", help="Run on the Ray cluster there; local starts one here.")
+    ] = None,
+    json: JsonFlag = False,
+) -> None:
+    """Run many seeded episodes and count; the results do not depend on --jobs and --ray.
+
+    Until the end, every episode is kept in OUTPUT.partial.jsonl: called again after a kill, with the same settings, the
+    evaluation goes on where it was.
+    """
+    from symskill_pddl.evaluation.ablations import without
+    from symskill_pddl.evaluation.paired import compare
+    from symskill_pddl.evaluation.spread import Processes, Ray
+    from symskill_pddl.evaluation.suite import Suite, chosen
+
+    config = work.execution_config(
+        no_resampling=no_resampling, no_replanning=no_replanning, no_tracking=no_tracking, no_obstacles=no_obstacles
+    )
+    preset, mechanisms = chosen(tasks, suite), against or []
+    disturbances = (*preset.disturbances, *(disturb or ()))
+    asked = Suite(preset.tasks, trials, seed, planner or "auto", not no_monitor, disturbances, config)
+    if len(set(mechanisms)) < len(mechanisms):
+        raise InputError(f"--against names a mechanism twice: {', '.join(mechanisms)}")
+    others = {mechanism: without(asked, mechanism) for mechanism in mechanisms}
+    pool: Pool = Processes(1 if jobs is None else jobs) if ray is None else Ray(ray, jobs or 0)
+    require_folder(output)
+    work.open_edited(library, domain)
+    results = _run(library, domain, asked, output, pool, "", keep=bool(others))
+    compared: dict[str, tuple[Difference, ...]] = {}
+    for mechanism, other in others.items():
+        path = output.with_name(f"{output.stem}.no-{mechanism}{output.suffix}")
+        found = _run(library, domain, other, path, pool, f" without {mechanism}", keep=True)
+        compared[mechanism] = compare(results, found)
+    if json:
+        document = results.model_dump(mode="json")
+        rows = {mechanism: [row.model_dump(mode="json") for row in found] for mechanism, found in compared.items()}
+        emit_json(document | {"against": rows} if others else document)
+        return
+    show_results(results)
+    for mechanism, differences in compared.items():
+        say()
+        show_differences(mechanism, differences)
+
+
+def _run(library: Path, domain: Path | None, suite: Suite, output: Path, pool: Pool, what: str, *, keep: bool) -> Results:
+    from symskill_pddl.evaluation.resumable import evaluate as run
+
+    count = len(suite.episodes)
+    with progress(f"{count} episodes{what}", total=count) as advance:
+
+        def start(before: int) -> None:
+            if before:
+                remark(f"{count} episodes{what}, {before} of them done before")
+            advance(before)
+
+        def done(task: str, episode: EpisodeResult) -> None:
+            advance(1)
+            advance.remark(f"{task} {episode.seed}: {episode.category} ({episode.time_s:.0f} s)")
+
+        return run(
+            partial(work.open_edited, domain=domain),
+            library,
+            suite,
+            output,
+            checksum=work.checksum(library, domain),
+            pool=pool,
+            keep=keep,
+            on_start=start,
+            on_episode=done,
+        )
+
+
+def show_results(results: Results) -> None:
+    """A results file as a table."""
+    rows = []
+    for task in results.tasks:
+        low, high = task.interval
+        failures, troubles = (", ".join(f"{n} {name}" for name, n in of.items()) or "-" for of in (task.failures, task.troubles))
+        typical = "-" if task.median_time_s is None else f"{task.median_time_s:.1f}"
+        numbers = (f"{task.successes}/{task.trials}", f"{low:.2f}-{high:.2f}", typical)
+        rows.append((task.task, *numbers, f"{task.mean_replans:.1f}", f"{task.mean_recoveries:.1f}", troubles, failures))
+    table("", ("task", "successes", "95 % interval", "median [s]", "new plans", "recoveries", "troubles", "failures"), rows)
+
+
+def show_differences(mechanism: str, differences: Sequence[Difference]) -> None:
+    """A comparison as a table."""
+    rows = []
+    for d in differences:
+        low, high = d.interval
+        rates = (f"{d.both + d.only_first}/{d.trials}", f"{d.both + d.only_second}/{d.trials}")
+        rows.append((d.task, *rates, f"{d.difference:+.2f}", f"{low:+.2f} to {high:+.2f}", f"{d.p_value:.2g}"))
+    table("", ("task", f"with {mechanism}", "without", "difference", "95 % interval", "p (McNemar)"), rows)
