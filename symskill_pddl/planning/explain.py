@@ -1,4 +1,4 @@
-"""Why a goal cannot be reached, in words, by delete relaxation; and which part of it can."""
+"""Why a goal cannot be reached, in words, by delete relaxation; and which part of it can. See also `conflicts`."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from dataclasses import replace
 from itertools import combinations
 
 from symskill_pddl.errors import alternatives
+from symskill_pddl.planning.conflicts import exclusions, forbidden
 from symskill_pddl.planning.grounding import OutOfTimeError, TooLargeError, reachable
 from symskill_pddl.planning.protocol import Limits, Planner, Status
-from symskill_pddl.symbols import Atom, Domain, Operator, Problem
+from symskill_pddl.symbols import Atom, Domain, Operator, Problem, State
 
 _CLOSEST = 3
 """How many nearly applicable steps an explanation names for one atom."""
@@ -19,8 +20,8 @@ _CLOSEST = 3
 def explain(domain: Domain, problem: Problem, limits: Limits = Limits()) -> tuple[str, ...]:
     """One or more lines for each goal atom that stands in the way; empty where the relaxation finds nothing wrong.
 
-    The relaxation never deletes and forbids nothing, so what it cannot reach, no plan can. What it reaches may still be out of
-    reach: then the goal atoms exclude one another or a negative condition blocks them, and `nearest_goal` says what can be had.
+    The relaxation never deletes, so what it cannot reach, no plan can. What it reaches may still be out of reach: then the goal
+    atoms exclude one another, and `why_not` says which.
 
     Raises
     ------
@@ -28,14 +29,14 @@ def explain(domain: Domain, problem: Problem, limits: Limits = Limits()) -> tupl
         The problem does not fit the domain.
     """
     try:
-        _, reached = reachable(domain, problem, deadline=time.monotonic() + limits.time_s, limit=limits.ground_operators)
+        steps, reached = reachable(domain, problem, deadline=time.monotonic() + limits.time_s, limit=limits.ground_operators)
     except (OutOfTimeError, TooLargeError):
         return ("the problem is too large to be explained within the limits",)
     lines: list[str] = []
     asked: set[Atom] = set()
     for atom in sorted(problem.goal - reached.keys()):
         lines += _why(domain, problem, reached, atom, "goal", asked)
-    return tuple(lines)
+    return tuple(lines or forbidden(steps, problem.init, problem.goal))
 
 
 def _why(domain: Domain, problem: Problem, reached: dict[Atom, int], atom: Atom, role: str, asked: set[Atom]) -> Iterable[str]:
@@ -52,6 +53,9 @@ def _why(domain: Domain, problem: Problem, reached: dict[Atom, int], atom: Atom,
             attempts.append(found)
     if not attempts:
         names = alternatives({op.name for op, _ in adders})
+        if len(set(atom.args)) != len(atom.args):
+            yield f"{role} {atom}: it names one object twice, and {names} takes a different one for each parameter"
+            return
         yield f"{role} {atom}: no binding of {names} adds it, there are no objects of the right types for the other parameters"
         return
     attempts.sort(key=lambda found: (len(found[1]), found[0]))
@@ -146,6 +150,8 @@ def why_not(domain: Domain, problem: Problem, planner: Planner, limits: Limits =
     nearest = nearest_goal(domain, problem, planner, limits)
     left = problem.goal - nearest
     if not lines and left:
+        lines += _excluded(domain, problem, nearest, limits)
+    if not lines and left:
         lines.append(
             f"each goal atom could be reached by deletion-free steps, but {_listed(left)} not together with {_listed(nearest)}: "
             "deletes or negative conditions stand against it"
@@ -153,6 +159,15 @@ def why_not(domain: Domain, problem: Problem, planner: Planner, limits: Limits =
     if nearest:
         lines.append(f"the nearest goal that can be reached: {_listed(nearest)}")
     return tuple(lines)
+
+
+def _excluded(domain: Domain, problem: Problem, nearest: State, limits: Limits) -> Iterable[str]:
+    deadline = time.monotonic() + limits.time_s
+    try:
+        steps, _ = reachable(domain, problem, deadline=deadline, limit=limits.ground_operators)
+    except (OutOfTimeError, TooLargeError):
+        return ()
+    return exclusions(steps, problem.init, nearest, problem.goal - nearest, deadline)
 
 
 def _listed(atoms: Iterable[Atom]) -> str:

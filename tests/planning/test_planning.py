@@ -94,7 +94,7 @@ def test_what_the_relaxation_reaches_is_not_blamed():
 def test_goals_that_exclude_one_another():
     both = replace(covered_egg(), goal=atoms("gripper-holds-lid lid-a, gripper-holds-lid lid-b, food-in-pan egg pan-a"))
     lines = why_not(kitchen(), both, Builtin())
-    assert "not together with" in lines[0]
+    assert "(gripper-holds-lid lid-b) and (gripper-holds-lid lid-a) cannot hold together" in lines[0]
     assert lines[-1].startswith("the nearest goal that can be reached: (food-in-pan egg pan-a) (gripper-holds-lid lid-")
 
 
