@@ -14,8 +14,10 @@ from typing import Any
 import pytest
 
 from symskill_pddl.cli.work import learn_from, shipped_demos
+from symskill_pddl.errors import MissingDependencyError
 from symskill_pddl.execution.replay import replay
 from symskill_pddl.execution.trace import read_trace
+from symskill_pddl.kitchen.film import check_film, encoder
 
 ROOT = Path(__file__).parent.parent.parent
 pytestmark = pytest.mark.simulation
@@ -138,6 +140,22 @@ def test_a_goal_that_cannot_be_reached(symskill: Callable[..., Any], kitchen: Pa
     assert json.loads(done.out)["category"] == "goal unreachable"
     header = read_trace(trace).header
     assert (header.monitor, header.resampling, header.replanning, header.obstacles) == (True, False, False, False)
+
+
+def test_a_run_is_filmed(symskill: Callable[..., Any], kitchen: Path, tmp_path: Path) -> None:
+    try:
+        check_film()
+    except MissingDependencyError as error:
+        pytest.skip(str(error))
+    video, trace = tmp_path / "run.mp4", tmp_path / "trace.jsonl"
+    # a goal that holds already: one picture
+    call = ("run", kitchen, "--task", "OpenDrawer", "--goal", "(gripper-open)", "--trace", trace)
+    done = symskill(*call, "--video", video)
+    assert (done.status, f"{video}: written" in done.err) == (0, True), done.err
+    assert sum(1 for _ in encoder().read_frames(str(video))) == 2  # what it is, then the picture
+    filmed = [line.model_dump(exclude={"seconds", "ms"}) for line in read_trace(trace).lines]
+    assert symskill(*call).status == 0
+    assert [line.model_dump(exclude={"seconds", "ms"}) for line in read_trace(trace).lines] == filmed
 
 
 def test_store_cheese_survives_a_door_shut_in_the_middle(symskill: Callable[..., Any], kitchen: Path, tmp_path: Path) -> None:
