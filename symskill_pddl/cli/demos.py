@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +12,10 @@ from symskill_pddl.cli.options import JsonFlag, LibraryArgument, pairs, require_
 from symskill_pddl.errors import InputError
 
 TRACE = ".jsonl"
+
+
+if TYPE_CHECKING:
+    from symskill_pddl.learning.vision import VisionSelector
 
 
 def record(
@@ -62,9 +66,23 @@ def learn(
         list[Path] | None,
         typer.Option("--traces", metavar="TRACE", help="Runs to learn costs from, trace.jsonl each; may be repeated."),
     ] = None,
+    references: Annotated[
+        str | None,
+        typer.Option(
+            "--references",
+            metavar="KIND:MODEL",
+            help="Let a vision-language model choose references: openai:MODEL or gemini:MODEL.",
+        ),
+    ] = None,
+    references_url: Annotated[
+        str | None, typer.Option("--references-url", metavar="URL", help="Its base address, such as http://localhost:8000/v1.")
+    ] = None,
+    references_cache: Annotated[
+        Path | None, typer.Option("--references-cache", metavar="FOLDER", help="Where its answers are kept.")
+    ] = None,
 ) -> None:
     """Learn predicates, operators and skills from demonstrations, and costs from recorded runs."""
-    from symskill_pddl.cli.work import learn_costs, read_runs
+    from symskill_pddl.cli.work import learn_costs, read_runs, vision_selector
 
     target = output if into is None else into
     if target is None or (output is not None and into is not None):
@@ -74,9 +92,12 @@ def learn(
     demos = [f for f in files or () if f.suffix != TRACE]
     if not demos and (into is None or not runs):
         raise InputError("nothing to learn from: name files of demonstrations, or runs with --traces and a library with --into")
+    if references is None and (references_url is not None or references_cache is not None):
+        raise InputError("--references-url and --references-cache belong to --references KIND:MODEL")
     counted = read_runs(runs)
     if demos:
-        _learn_demos(demos, target, into=into is not None)
+        selector = None if references is None else vision_selector(references, references_url, references_cache)
+        _learn_demos(demos, target, into=into is not None, selector=selector)
     if runs:
         learned, told = learn_costs(counted, target)
         for name in told:
@@ -86,10 +107,13 @@ def learn(
             remark(f"{o.operator.name}: {own.successes} of {own.tries} tries worked, cost {o.operator.cost:g} s")
 
 
-def _learn_demos(files: list[Path], target: Path, *, into: bool) -> None:
+def _learn_demos(files: list[Path], target: Path, *, into: bool, selector: VisionSelector | None) -> None:
     from symskill_pddl.cli.work import learn_from
 
-    library, report = learn_from(files, target, into=into)
+    library, report = learn_from(files, target, into=into, selector=selector)
+    if selector is not None:
+        for note in (*selector.agreement.notes, str(selector.agreement)):
+            remark(note)
     for note in report.notes:
         remark(note)
     spent = sum(seconds for _, seconds in report.seconds)

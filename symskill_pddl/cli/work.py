@@ -18,6 +18,7 @@ JOBS = max(1, min(os.cpu_count() or 1, 8))
 if TYPE_CHECKING:
     from symskill_pddl.execution.config import ExecutionConfig
     from symskill_pddl.learning import LearnReport
+    from symskill_pddl.learning.vision import VisionSelector
     from symskill_pddl.library import Experience, Library
     from symskill_pddl.pddl import Names
     from symskill_pddl.pddl.check import Comparison
@@ -31,10 +32,12 @@ def open_library(path: Path) -> Library:
     return Library.load(path)
 
 
-def learn_from(files: Sequence[Path], output: Path, *, into: bool = False) -> tuple[Library, LearnReport]:
+def learn_from(
+    files: Sequence[Path], output: Path, *, into: bool = False, selector: VisionSelector | None = None
+) -> tuple[Library, LearnReport]:
     """Learn from files of demonstrations, and save the library when all went well.
 
-    `into`: there is a library at `output`; learn from its demonstrations too.
+    `into`: there is a library at `output`; learn from its demonstrations too. `selector` chooses references.
     """
     from symskill_pddl.demos import Demo, load_demos
     from symskill_pddl.learning import added, learn_reported
@@ -49,13 +52,23 @@ def learn_from(files: Sequence[Path], output: Path, *, into: bool = False) -> tu
         demos = list(added(old, demos))
     title = f"learning from {len(demos)} demonstrations in {len({d.source for d in demos})} files"
     with progress(title) as advance:
-        library, report = learn_reported(demos, jobs=JOBS, progress=lambda stage: advance(text=f"{title}: {stage}"))
+        library, report = learn_reported(
+            demos, jobs=JOBS, progress=lambda stage: advance(text=f"{title}: {stage}"), selector=selector
+        )
     if old is not None:
         from symskill_pddl.execution.experience import with_experience
 
         library = with_experience(library, {o.operator.name: o.experience for o in old.operators}, old.runs)
     library.save(output)
     return library, report
+
+
+def vision_selector(name: str, url: str | None, cache: Path | None) -> VisionSelector:
+    """References by the model ``openai:MODEL`` or ``gemini:MODEL``; its answers are kept in a folder of the user's cache."""
+    from symskill_pddl.learning.vision import Asker, VisionSelector, endpoint_named
+
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return VisionSelector(Asker(endpoint_named(name, url), cache=cache or home / "symskill" / "references"))
 
 
 @dataclass(frozen=True)

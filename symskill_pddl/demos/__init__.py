@@ -1,6 +1,6 @@
 """Demonstrations: the type, its file, and importers of other recordings. h5py and mujoco are imported when first used."""
 
-from symskill_pddl.demos.demo import Demo, merged_extents
+from symskill_pddl.demos.demo import Demo, extent_conflicts, merged_extents
 from symskill_pddl.demos.hdf5 import decode_demos, encode_demos, load_demos, save_demos
 from symskill_pddl.demos.robosuite_import import import_robosuite
 from symskill_pddl.demos.truth import Move, Truth, load_truths
@@ -11,6 +11,7 @@ __all__ = [
     "Truth",
     "decode_demos",
     "encode_demos",
+    "extent_conflicts",
     "import_robosuite",
     "load_demos",
     "load_truths",

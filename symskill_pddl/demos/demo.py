@@ -215,3 +215,20 @@ def merged_extents(demos: tuple[Demo, ...]) -> Mapping[str, tuple[float, float, 
             a, b, c = (max(x, y) for x, y in zip(half, merged.get(type_, half), strict=True))
             merged[type_] = (a, b, c)
     return dict(sorted(merged.items()))
+
+
+def extent_conflicts(demos: Sequence[Demo]) -> tuple[str, ...]:
+    """A line for every type whose size differs from file to file by more than a millimetre: the largest counts for all."""
+    sizes: dict[str, dict[tuple[float, float, float], str]] = {}
+    for demo in demos:
+        for type_, half in demo.extents.items():
+            rounded = (round(half[0], 3), round(half[1], 3), round(half[2], 3))
+            sizes.setdefault(type_, {}).setdefault(rounded, demo.source)
+    lines = []
+    for type_, by_size in sorted(sizes.items()):
+        if len(set(by_size.values())) > 1:
+            told = ", ".join(
+                f"{' x '.join(f'{200 * h:.1f}' for h in half)} cm in '{source}'" for half, source in sorted(by_size.items())
+            )
+            lines.append(f"type '{type_}' has more than one size: {told}; the largest counts, give what differs types of its own")
+    return tuple(lines)

@@ -48,7 +48,7 @@ def learn_relations(
             apart = _ends(rests, own, type_) if pair in joints else []
             cluster_pair(rests, joints.get(pair), apart, odd, places, of_rest, notes, config)
     kept, contacts = labelled(episodes, of_rest, jointed, odd, notes, config)
-    return Relations(tuple(places), contacts, kept, tuple(notes))
+    return Relations(tuple(places), contacts, kept, tuple(notes), {rest: ref for rest, (_, ref) in of_rest.items()})
 
 
 def _placements(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -111,3 +112,5 @@ class Relations:
     contacts: tuple[Contact, ...]
     labels: tuple[Label, ...]
     notes: tuple[str, ...]
+    references: Mapping[int, str] = field(default_factory=dict)
+    """By ``id(rest)``, the object that it is at."""

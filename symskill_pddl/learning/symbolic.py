@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from symskill_pddl.abstraction import Classifier, GripperRule
-from symskill_pddl.demos import Demo, merged_extents
+from symskill_pddl.demos import Demo, extent_conflicts, merged_extents
 from symskill_pddl.errors import LearningError
 from symskill_pddl.learning.endings import EndingConfig, complete
 from symskill_pddl.learning.goals import learn_goals
@@ -59,8 +59,9 @@ class Symbolic:
     notes: tuple[str, ...]
 
 
-Selector = Callable[[Sequence[Episode]], Mapping[int, str]]
-"""Another way to choose references: for episodes, by ``id(rest)``, the object that each rest is at; rests may be left out."""
+Selector = Callable[[Sequence[Episode], Mapping[int, str]], Mapping[int, str]]
+"""Another way to choose references: from episodes and the default selector's choices, the object that each rest is at, by
+``id(rest)``; rests that are left out stay with the default selector."""
 
 
 def learn_symbols(
@@ -81,9 +82,11 @@ def learn_symbols(
     extents = merged_extents(demos)
     progress("segments")
     episodes = complete(segment_all(demos, config.segments), config.endings, config.segments)
+    answers = None
     if selector is not None:
         progress("references")
-    answers = None if selector is None else selector(episodes)
+        default = learn_relations(demos, episodes, extents, config.predicates).references
+        answers = selector(episodes, default)
     progress("predicates")
     relations = learn_relations(demos, episodes, extents, config.predicates, answers)
     places = place_names(relations, extents)
@@ -100,6 +103,7 @@ def learn_symbols(
             f"no operator comes out of {len(demos)} demonstrations with {len(episodes)} motions; first reason: {notes[0]}"
         )
     goals = learn_goals(demos, episodes, truths, places)
+    notes = (*extent_conflicts(demos), *notes)
     return Symbolic(demos, extents, episodes, relations, places, contacts, classifiers, gripper, truths, groups, goals, notes)
 
 

@@ -3,7 +3,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from symskill_pddl.demos import Demo, merged_extents
+from symskill_pddl.demos import Demo, extent_conflicts, merged_extents
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose
 from symskill_pddl.scene import Scene
@@ -112,3 +112,10 @@ class TestFromScenes:
 def a_scene(time: float, name: str = "box") -> Scene:
     hand, thing = Pose.from_rotvec([time, 0, 0], [0, time, 0]), Pose.from_rotvec([0, time, 0], [0, 0, time])
     return Scene(time, hand, 0.08 - time / 10, time > 0, {name: "cube"}, Pose.stack([thing]))
+
+
+def test_a_type_of_two_sizes_names_its_files(demo):
+    one, other = demo(), demo(source="play", extents={"food": (0.05, 0.02, 0.02), "counter": (0.5, 0.5, 0.02)})
+    assert extent_conflicts([one, demo()]) == ()
+    (line,) = extent_conflicts([one, other])
+    assert "type 'food' has more than one size: 6.0 x 4.0 x 4.0 cm in 'kitchen', 10.0 x 4.0 x 4.0 cm in 'play'" in line

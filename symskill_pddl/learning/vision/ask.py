@@ -1,0 +1,172 @@
+"""Ask an endpoint: bounded time and retries, answers checked against what was allowed and kept in files.
+
+The cache holds replies under the hash of the request without its headers, so a learned library can be made again without the
+network. A key stands in no file, and what a server says is printed with the key blotted out.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import http.client
+import json
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from symskill_pddl.errors import LearningError
+from symskill_pddl.files import write_atomic
+from symskill_pddl.learning.vision.endpoints import Endpoint, Question
+
+
+class VisionError(LearningError):
+    """The model gave no usable answer."""
+
+
+@dataclass(frozen=True)
+class AskConfig:
+    """How long and how often."""
+
+    timeout_s: float = 60.0
+    """Of one request."""
+    attempts: int = 3
+    """Requests for one question, the first included."""
+    backoff_s: float = 1.0
+    """Before the second attempt; twice as long before every further one."""
+    max_wait_s: float = 20.0
+    """No server makes us wait longer than this between attempts."""
+    max_reply_bytes: int = 1_000_000
+
+
+class _NoRedirect(urllib.request.HTTPRedirectHandler):
+    """A redirected request would carry the key to another address."""
+
+    def redirect_request(self, *_: Any) -> None:
+        return None
+
+
+class Asker:
+    """One endpoint, its cache, and the count of requests that went out.
+
+    Parameters
+    ----------
+    endpoint : Endpoint
+    config : AskConfig, optional
+    cache : Path, optional
+        Folder of kept answers; none are kept without one.
+    sleep : callable
+        Waits that many seconds.
+    """
+
+    def __init__(
+        self,
+        endpoint: Endpoint,
+        config: AskConfig | None = None,
+        cache: Path | None = None,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self.endpoint, self.config, self.cache, self.requests = endpoint, config or AskConfig(), cache, 0
+        self._sleep = sleep
+        self._opener = urllib.request.build_opener(_NoRedirect)
+
+    def ask(self, question: Question) -> dict[str, str]:
+        """The answer: for every field one of its words.
+
+        Raises
+        ------
+        VisionError
+            If no attempt gave one; the message holds the last reason.
+        """
+        body = json.dumps(self.endpoint.body(question), sort_keys=True).encode()
+        kept = self._kept(body)
+        if kept is not None:
+            return _checked(self.endpoint, kept, question)
+        reason, wait = "", self.config.backoff_s
+        for attempt in range(self.config.attempts):
+            if attempt:
+                self._sleep(min(wait, self.config.max_wait_s))
+                wait = 2 * wait
+            try:
+                reply = self._post(body)
+                answer = _checked(self.endpoint, reply, question)
+            except urllib.error.HTTPError as error:
+                said = error.read(300).decode("utf-8", "replace") if error.fp else ""
+                reason = f"HTTP status {error.code}: {said}"
+                if error.code not in (408, 409, 425, 429) and error.code < 500:
+                    break  # what was refused stays refused
+                after = error.headers.get("Retry-After", "") if error.headers else ""
+                wait = max(wait, float(after)) if after.isdigit() else wait
+            except VisionError as error:
+                reason = str(error)
+            except TimeoutError:
+                reason = f"no reply within {self.config.timeout_s:g} s"
+            except (urllib.error.URLError, http.client.HTTPException, OSError) as error:
+                cause = getattr(error, "reason", error)
+                slow = isinstance(cause, TimeoutError)
+                reason = f"no reply within {self.config.timeout_s:g} s" if slow else f"not reached: {cause}"
+            else:
+                self._keep(body, reply)
+                return answer
+        raise VisionError(self._clean(f"{self.endpoint.model} at {self.endpoint.url}: {reason}"))
+
+    def _post(self, body: bytes) -> Any:
+        self.requests += 1
+        headers = {"Content-Type": "application/json", **self.endpoint.headers()}
+        request = urllib.request.Request(self.endpoint.address(), data=body, headers=headers, method="POST")
+        with self._opener.open(request, timeout=self.config.timeout_s) as response:
+            content = response.read(self.config.max_reply_bytes + 1)
+        if len(content) > self.config.max_reply_bytes:
+            raise VisionError(f"the reply is longer than {self.config.max_reply_bytes} bytes")
+        try:
+            return json.loads(content)
+        except ValueError:
+            raise VisionError(f"the reply is no JSON: {content[:80]!r}") from None
+
+    def _clean(self, text: str) -> str:
+        """One line, without the key."""
+        plain = " ".join(text.split())
+        return plain.replace(self.endpoint.key, "***") if self.endpoint.key else plain
+
+    def _file(self, body: bytes) -> Path | None:
+        name = hashlib.sha256(self.endpoint.address().encode() + b"\0" + body).hexdigest()
+        return None if self.cache is None else self.cache / f"{name}.json"
+
+    def _kept(self, body: bytes) -> Any | None:
+        file = self._file(body)
+        if file is None or not file.is_file():
+            return None
+        try:
+            return json.loads(file.read_text(encoding="utf-8"))["reply"]
+        except (ValueError, KeyError, TypeError, OSError):
+            raise VisionError(f"the kept answer '{file}' is damaged; delete it to ask again") from None
+
+    def _keep(self, body: bytes, reply: Any) -> None:
+        file = self._file(body)
+        if file is not None:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            text = json.dumps({"model": self.endpoint.model, "address": self.endpoint.address(), "reply": reply}, indent=1)
+            write_atomic(file, self._clean_json(text).encode())
+
+    def _clean_json(self, text: str) -> str:
+        return text.replace(self.endpoint.key, "***") if self.endpoint.key else text
+
+
+def _checked(endpoint: Endpoint, reply: Any, question: Question) -> dict[str, str]:
+    """The answer in a reply, if it is one of those allowed."""
+    try:
+        text = endpoint.text(reply)
+    except (KeyError, IndexError, TypeError):
+        raise VisionError("the reply holds no answer") from None
+    try:
+        answer = json.loads(text)
+    except ValueError:
+        raise VisionError(f"the answer is no JSON: {text[:80]!r}") from None
+    if not isinstance(answer, Mapping):
+        raise VisionError(f"the answer is no JSON object: {text[:80]!r}")
+    for name, words in question.choices.items():
+        if answer.get(name) not in words:
+            raise VisionError(f"the answer's '{name}' is {answer.get(name)!r}, which the scene does not hold")
+    return {name: str(answer[name]) for name in question.choices}

@@ -1,0 +1,71 @@
+"""A real HTTP server on this machine that answers as a model would, or not."""
+
+import json
+import threading
+import time
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+import pytest
+
+KEY = "secret-key-0123456789"
+
+
+class Model:
+    """`replies` are used up one by one, the last one stays: a dict (the answer), bytes, (status, bytes), or 'hang', 'drop'."""
+
+    def __init__(self):
+        self.replies, self.seen, self.kind = [], [], "openai"
+        self._server = ThreadingHTTPServer(("127.0.0.1", 0), self._handler())
+        self._server.daemon_threads = True
+        threading.Thread(target=self._server.serve_forever, daemon=True).start()
+
+    @property
+    def url(self):
+        return f"http://127.0.0.1:{self._server.server_address[1]}"
+
+    def close(self):
+        self._server.shutdown()
+        self._server.server_close()
+
+    def _handler(model):  # noqa: N805
+        class Handler(BaseHTTPRequestHandler):
+            def do_POST(self):
+                body = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
+                model.seen.append((self.path, dict(self.headers), body))
+                reply = model.replies[0] if len(model.replies) == 1 else model.replies.pop(0)
+                if callable(reply):
+                    reply = reply(body)
+                if reply == "hang":
+                    time.sleep(1.5)
+                    return
+                if reply == "drop":
+                    self.connection.close()
+                    return
+                status, content, headers = 200, reply, {}
+                if isinstance(reply, dict):
+                    content = model.wrapped(json.dumps(reply))
+                elif isinstance(reply, tuple):
+                    status, content, headers = (*reply, {})[:3]
+                self.send_response(status)
+                for name, value in headers.items():
+                    self.send_header(name, value)
+                self.send_header("Content-Length", str(len(content)))
+                self.end_headers()
+                self.wfile.write(content)
+
+            def log_message(self, *_):
+                pass
+
+        return Handler
+
+    def wrapped(self, text):
+        if self.kind == "gemini":
+            return json.dumps({"candidates": [{"content": {"parts": [{"text": text}]}}]}).encode()
+        return json.dumps({"choices": [{"message": {"content": text}}]}).encode()
+
+
+@pytest.fixture
+def model():
+    model = Model()
+    yield model
+    model.close()
