@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from symskill_pddl.errors import InputError, alternatives
-from symskill_pddl.kitchen import demo_door, demo_drawer, demo_food, demo_turn
+from symskill_pddl.kitchen import demo_door, demo_drawer, demo_food, demo_play, demo_turn
 from symskill_pddl.kitchen.demo_hand import Hand
 from symskill_pddl.kitchen.human import Faults, Person
 from symskill_pddl.scene import Scene
@@ -19,7 +19,7 @@ from symskill_pddl.scene import Scene
 if TYPE_CHECKING:
     from symskill_pddl.kitchen.world import Kitchen
 
-WAYS: dict[str, Callable[[Hand, str], None]] = {
+WAYS: dict[str, Callable[[Hand, str], object]] = {
     "OpenSingleDoor": demo_door.open_door,
     "CloseSingleDoor": demo_door.close_door,
     "PnPCabToCounter": demo_food.to_counter,
@@ -32,6 +32,7 @@ WAYS: dict[str, Callable[[Hand, str], None]] = {
     "TurnOffStove": demo_turn.turn_knob_off,
     "TurnOnSinkFaucet": demo_turn.turn_lever_on,
     "TurnOffSinkFaucet": demo_turn.turn_lever_off,
+    "Play": demo_play.play,
 }
 """How each task is done: what the hand does, given the object that is to be moved."""
 
