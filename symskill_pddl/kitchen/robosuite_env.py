@@ -60,7 +60,7 @@ class SymSkillKitchen(ManipulationEnv):  # type: ignore[misc]  # its metaclass r
         reward_scale: float = 1.0,
         **arguments: Any,
     ) -> None:
-        self.spec, self.use_object_obs, self.reward_scale = task_named(task), use_object_obs, reward_scale
+        self.task_spec, self.use_object_obs, self.reward_scale = task_named(task), use_object_obs, reward_scale
         self._draws = np.random.default_rng(seed)
         quiet = {"use_camera_obs": False, "has_offscreen_renderer": False, "render_camera": "overview", "hard_reset": False}
         super().__init__(robots, base_types="NullMount", seed=seed, **{"camera_names": "overview", **quiet, **arguments})
@@ -74,18 +74,18 @@ class SymSkillKitchen(ManipulationEnv):  # type: ignore[misc]  # its metaclass r
 
     def _load_model(self) -> None:
         super()._load_model()
-        self.model = task_model(self.spec.scene, self.robots[0].robot_model)
+        self.model = task_model(self.task_spec.scene, self.robots[0].robot_model)
 
     def _initialize_sim(self, xml_string: str | None = None) -> None:
         super()._initialize_sim(xml_string)
-        tune(self.spec.scene, self.sim.model._model)
+        tune(self.task_spec.scene, self.sim.model._model)
         self.sim.model.opt.timestep = self.model_timestep
 
     def _reset_internal(self) -> None:
         super()._reset_internal()
-        self.physics = Physics(self.spec.scene, model=self.sim.model._model, data=self.sim.data._data)
+        self.physics = Physics(self.task_spec.scene, model=self.sim.model._model, data=self.sim.data._data)
         if not self.deterministic_reset:
-            self.episode = set_up(self.spec, self.physics, self._draws)
+            self.episode = set_up(self.task_spec, self.physics, self._draws)
             # robosuite's controllers remember where the arm was when they were made; the fingers it would leave half open
             robot = self.robots[0]
             robot.init_qpos = self.physics.arm
@@ -95,7 +95,7 @@ class SymSkillKitchen(ManipulationEnv):  # type: ignore[misc]  # its metaclass r
     def _setup_observables(self) -> OrderedDict[str, Any]:
         observables: OrderedDict[str, Any] = super()._setup_observables()
         if self.use_object_obs:
-            for name in self.spec.scene.types:
+            for name in self.task_spec.scene.types:
                 for suffix, read in (("pos", self._position(name)), ("quat", self._orientation(name))):
                     key = f"{name}_{suffix}"
                     observables[key] = Observable(key, sensor(modality="object")(read), sampling_rate=self.control_freq)
@@ -115,4 +115,4 @@ class SymSkillKitchen(ManipulationEnv):  # type: ignore[misc]  # its metaclass r
         return self.reward_scale * float(self._check_success())
 
     def _check_success(self) -> bool:
-        return self.spec.judge(self.physics, self.episode.focus)
+        return self.task_spec.judge(self.physics, self.episode.focus)

@@ -113,3 +113,26 @@ def test_bad_arguments(env, arguments, message):
 def test_learning_and_planning_do_not_load_it():
     code = "import sys, symskill_pddl.learning, symskill_pddl.planning, symskill_pddl.kitchen; print('robosuite' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"
+
+
+def test_robosuites_own_gymnasium_wrapper_takes_it(env):
+    from robosuite.wrappers import GymWrapper
+
+    wrapped = GymWrapper(env)
+    observation, _ = wrapped.reset()
+    after, reward, terminated, truncated, _ = wrapped.step(wrapped.action_space.sample())
+    assert observation.shape == after.shape == wrapped.observation_space.shape
+    assert (reward, terminated, truncated) == (0.0, False, False)
+
+
+def test_an_episode_is_played_back_from_its_model_and_states():
+    env, other = environment("OpenDrawer", 7), environment("OpenDrawer", 1)
+    env.reset()
+    other.reset()
+    # as robosuite's recordings hold it
+    other.reset_from_xml_string(env.sim.model.get_xml())
+    other.sim.set_state_from_flattened(env.sim.get_state().flatten())
+    other.sim.forward()
+    for name in env.task_spec.scene.types:
+        np.testing.assert_allclose(other.physics.T_world(name).p, env.physics.T_world(name).p, atol=1e-5, err_msg=name)
+    assert not other._check_success()
