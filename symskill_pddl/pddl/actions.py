@@ -164,7 +164,9 @@ class ActionReader(Reader):
             delete.add(self.atom(self.group(group.items[1], "an atom"), domain, scope))
         elif group.head == "forall":
             raise self.unsupported(group, "universal effects")
-        elif group.head == "increase" and costs is not None:
+        elif group.head == "increase":
+            if costs is None:
+                raise self.unsupported(group, "numeric effects of durative actions")
             if len(group.items) != 3 or str(group.items[1]) != "(total-cost)":
                 raise self.error(group, f"the only numeric effect supported is (increase (total-cost) NUMBER), got '{group}'")
             costs.append(self.number(group.items[2]))

@@ -70,7 +70,7 @@ class Reader:
         """``a b - t c`` as pairs of name and type."""
         pairs: list[tuple[Word, Word]] = []
         waiting: list[Word] = []
-        rest = list(items)
+        rest = [part for item in items for part in _apart(item)]
         while rest:
             node = rest.pop(0)
             if isinstance(node, Group):
@@ -111,7 +111,9 @@ class Reader:
     def atom(self, group: Group, domain: Domain, scope: Mapping[str, str]) -> Atom:
         if group.head in UNSUPPORTED:
             raise self.unsupported(group, UNSUPPORTED[group.head])
-        if group.head in ("=", "forall", "not", "and", "at", "over", "increase"):
+        words = ("=", "forall", "not", "and", "at", "over", "increase")
+        # many domains have a predicate `at`
+        if group.head in words and group.head not in {p.name for p in domain.predicates}:
             raise self.error(group, f"'{group.head}' cannot stand here, expected an atom")
         if not group.items:
             raise self.error(group, "expected an atom, got '()'")
@@ -121,3 +123,10 @@ class Reader:
         except InputError as error:
             raise self.error(group, str(error).removeprefix("here: ")) from None
         return atom
+
+
+def _apart(node: Node) -> tuple[Node, ...]:
+    """``-type``, as some write it, as the two words that it stands for."""
+    if isinstance(node, Word) and node.text.startswith("-") and node.text != "-":
+        return Word("-", node.line, node.column), Word(node.text[1:], node.line, node.column + 1)
+    return (node,)

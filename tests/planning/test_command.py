@@ -14,6 +14,8 @@ from symskill_pddl.pddl import write_plan
 from symskill_pddl.planning import Builtin, Command, Limits, Status, get
 from symskill_pddl.symbols import Plan, validate
 
+from .processes import running
+
 GOOD = write_plan(Builtin().solve(kitchen(), covered_egg()).unwrap())
 
 
@@ -77,6 +79,23 @@ def test_time_runs_out_and_no_process_is_left(tmp_path):
             return
         time.sleep(0.05)
     pytest.fail("the child still runs")
+
+
+@pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc to look for processes")
+def test_no_process_is_left_after_a_hundred_time_outs(tmp_path, monkeypatch):
+    """A planner with a child of its own, both of which would sleep for a minute."""
+    mark = f"SYMSKILL_TEST_{os.getpid()}"
+    monkeypatch.setenv(mark, "1")
+    script = tmp_path / "planner.sh"
+    script.write_text("sleep 60 &\nsleep 60\n")
+    planner = Command(f"sh {script} {{domain}} {{problem}}")
+    for _ in range(100):
+        assert planner.solve(kitchen(), covered_egg(), Limits(time_s=0.01)).status is Status.TIMEOUT
+    for _ in range(40):
+        if not (left := running(mark)):
+            break
+        time.sleep(0.05)
+    assert not left
 
 
 def test_a_goal_that_holds_needs_no_output(tmp_path):

@@ -1,6 +1,5 @@
 """The engines of the extra `[planners]`, alike: statuses kept apart, plans checked, nothing left behind."""
 
-import os
 import random
 import tempfile
 import time
@@ -17,6 +16,8 @@ from symskill_pddl.planning import LPG, FastDownward, Kairos, Limits, Mimir, Sta
 from symskill_pddl.planning.protocol import PlanResult
 from symskill_pddl.planning.text import Answer, Text, TextSession, without_detours
 from symskill_pddl.symbols import Plan, Problem, validate
+
+from .processes import running
 
 ENGINES = (Kairos(), Mimir(), Mimir(mode="grounded"), FastDownward(), LPG())
 
@@ -180,18 +181,6 @@ def test_mimir_gives_up_after_so_many_states():
     result = here(Mimir(max_states=3)).solve(kitchen(), crowded(5))
     assert result.status is Status.FAILED
     assert "out_of_states" in result.messages[0]
-
-
-def running(mark):
-    """Processes that inherited the mark and have not ended, this one apart."""
-    found = []
-    for folder in Path("/proc").glob("[0-9]*"):
-        try:
-            if folder.name != str(os.getpid()) and mark.encode() in (folder / "environ").read_bytes():
-                found.append(folder.name)
-        except OSError:
-            continue
-    return found
 
 
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc to look for processes")
