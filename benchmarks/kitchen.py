@@ -1,111 +1,105 @@
-"""Success rates in the kitchen, with and without the monitor, undisturbed and with the door shut on the robot.
+"""Success rates in the kitchen: every figure the package claims, in one command that may be stopped and called again.
 
-    python benchmarks/kitchen.py [--trials 20] [--seed 1000] [--jobs 2] [-o docs/results.md]
+    python benchmarks/kitchen.py [--scale 1.0] [--seed 5000] [--jobs 2] [--only NAME ...] [--folder DIR] [-o docs/results.md]
 
-Learns from the shipped demonstrations, runs every suite of `SUITES` with the same seeds, and writes one table. `--json FOLDER`
-keeps the results file of each suite, with every episode in it.
+Learns libraries from the shipped demonstrations, runs every evaluation of `kitchen_suites.py`, and writes the page anew after
+each. Results files, libraries and the episodes so far lie in the folder; called again with the same arguments, it goes on where
+it was. `--scale 0.1` runs a tenth of the episodes. `--list` says what there is to measure. An evaluation whose tasks the kitchen
+does not have, or that nobody has recorded, is left out, and the page says so.
 """
 
 from __future__ import annotations
 
 import argparse
-import tempfile
-from collections.abc import Iterator
-from dataclasses import dataclass
+import sys
+from hashlib import sha256
 from pathlib import Path
 
-from symskill_pddl.cli.work import checksum, learn_from, shipped_demos
-from symskill_pddl.evaluation.results import Results, TaskResult, save_results
-from symskill_pddl.evaluation.suite import PRESETS, Suite, run_suite
+from kitchen_page import Measured, page
+from kitchen_suites import Entry, entries
+
+from symskill_pddl.cli.work import checksum, shipped_demos
+from symskill_pddl.demos import load_demos
+from symskill_pddl.evaluation.ablations import without
+from symskill_pddl.evaluation.results import Results
+from symskill_pddl.evaluation.resumable import evaluate
+from symskill_pddl.evaluation.spread import Processes
+from symskill_pddl.files import write_atomic
+from symskill_pddl.kitchen import TASKS
+from symskill_pddl.learning import learn_reported
 from symskill_pddl.library import Library
 
-ATOMIC = PRESETS["atomic"].tasks
-COMPOSED = PRESETS["composed"].tasks
+PACKAGE = Path(__file__).parent.parent / "symskill_pddl"
 
 
-@dataclass(frozen=True)
-class Entry:
-    """One suite: what it is called in the table, and what it runs."""
-
-    name: str
-    tasks: tuple[str, ...]
-    monitor: bool = True
-    disturbances: tuple[str, ...] = ()
-
-    def command(self, trials: int, seed: int) -> str:
-        """The command that gives the same episodes."""
-        parts = ["symskill evaluate library --tasks", ",".join(self.tasks), f"--trials {trials} --seed {seed}"]
-        parts += [f"--disturb {spec}" for spec in self.disturbances]
-        parts += [] if self.monitor else ["--no-monitor"]
-        return " ".join([*parts, f"-o {self.name}.json"])
+def recordings(play: bool) -> list[Path]:
+    """The shipped files of atomic tasks, or those of play."""
+    return [f for f in shipped_demos() if (f.stem in TASKS and TASKS[f.stem].kind == "atomic") is not play]
 
 
-SHUT = PRESETS["disturbed"].disturbances
-SUITES = (
-    Entry("atomic", ATOMIC),
-    Entry("composed", COMPOSED),
-    Entry("composed-unmonitored", COMPOSED, monitor=False),
-    Entry("disturbed", COMPOSED, disturbances=SHUT),
-    Entry("disturbed-unmonitored", COMPOSED, monitor=False, disturbances=SHUT),
-)
+def library(shown: int, folder: Path) -> Path:
+    """A library learned from the first `shown` demonstrations of each task, or from play (0); learned once for one code."""
+    path = folder / (f"library-{shown}" if shown else "library-play")
+    files = recordings(play=not shown)
+    digest = sha256(str(shown).encode())
+    for file in (*files, *sorted(PACKAGE.rglob("*.py"))):
+        digest.update(file.read_bytes())
+    stamp = path / "learned-from.txt"
+    if not (stamp.is_file() and stamp.read_text() == digest.hexdigest()):
+        print(f"learning {path.name}", file=sys.stderr, flush=True)
+        found, _ = learn_reported([d for file in files for d in load_demos(file)[: shown or None]])
+        found.save(path)
+        stamp.write_text(digest.hexdigest())
+    return path
 
 
-def rows(entry: Entry, tasks: tuple[TaskResult, ...]) -> Iterator[str]:
-    """A line of the table for every task."""
-    for t in tasks:
-        failures = ", ".join(f"{n} {name}" for name, n in t.failures.items()) or "-"
-        time = "-" if t.median_time_s is None else f"{t.median_time_s:.0f}"
-        what = f"{t.task}{', door shut on the robot' if entry.disturbances else ''}"
-        low, high = t.interval
-        yield (
-            f"| {what} | {'yes' if entry.monitor else 'no'} | {t.successes} of {t.trials} | {low:.2f}-{high:.2f} | {time} "
-            f"| {t.mean_replans:.1f} | {failures} |"
-        )
+def measure(entry: Entry, folder: Path, scale: float, seed: int, jobs: int) -> Measured:
+    """Run what is left of an entry."""
+    path, suite = library(entry.shown, folder), entry.suite(scale, seed)
 
+    def run(name: str, what: str) -> Results:
+        asked = suite if not what else without(suite, what)
+        print(f"{name}: {len(asked.episodes)} episodes", file=sys.stderr, flush=True)
+        output, known = folder / f"{name}.json", checksum(path)
+        return evaluate(Library.load, path, asked, output, checksum=known, pool=Processes(jobs), keep=True)
 
-def page(found: list[tuple[Entry, Results]], trials: int, seed: int) -> str:
-    """The page of all suites."""
-    lines = [
-        "# Results in the kitchen",
-        "",
-        f"Written by `python benchmarks/kitchen.py --trials {trials} --seed {seed}`: learned from the shipped demonstrations",
-        f"(ten of each atomic task, recorded with seeds 0-9; none of StoreCheese), then {trials} episodes of every task,",
-        f"seeds {seed} to {seed + trials - 1}. Success is the judge's word, who alone sees the simulator's state. The interval",
-        "is Wilson's at 95 %; the time is the robot's clock, the median of the successful episodes [s]; new plans are those made",
-        "after the first, on average.",
-        "",
-        "| task | monitor | successes | interval | time | new plans | failures |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    for entry, results in found:
-        lines += rows(entry, results.tasks)
-    lines += ["", "Each suite by itself, after `symskill learn symskill_pddl/data/kitchen/*.hdf5 -o library`:", ""]
-    lines += [f"    {entry.command(trials, seed)}" for entry, _ in found]
-    return "\n".join(lines) + "\n"
+    found = Measured(entry, run(entry.name, ""))
+    for mechanism in entry.against:
+        found.without[mechanism] = run(f"{entry.name}.no-{mechanism}", mechanism)
+    return found
 
 
 def main() -> None:
     """Learn, run, write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--trials", type=int, default=20)
-    parser.add_argument("--seed", type=int, default=1000)
+    parser.add_argument("--scale", type=float, default=1.0, help="of the number of episodes")
+    parser.add_argument("--seed", type=int, default=5000, help="of the first episode of every task")
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="evaluations by name")
+    parser.add_argument("--list", action="store_true", help="what there is to measure, and leave")
+    parser.add_argument("--folder", type=Path, default=Path("symskill-out/kitchen"))
     parser.add_argument("-o", "--output", type=Path, default=Path("docs/results.md"))
-    parser.add_argument("--json", type=Path, default=None, help="folder for the suites' results files")
     args = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        library = Path(folder) / "library"
-        learn_from(shipped_demos(), library)
-        found = []
-        for entry in SUITES:
-            suite = Suite(entry.tasks, args.trials, args.seed, monitor=entry.monitor, disturbances=entry.disturbances)
-            results = run_suite(Library.load, library, suite, checksum=checksum(library), jobs=args.jobs)
-            found.append((entry, results))
-            print(*rows(entry, results.tasks), sep="\n", flush=True)
-            if args.json is not None:
-                args.json.mkdir(parents=True, exist_ok=True)
-                save_results(args.json / f"{entry.name}.json", results)
-    args.output.write_text(page(found, args.trials, args.seed), encoding="utf-8")
+    if not args.scale > 0:
+        parser.error(f"--scale has to be positive, got {args.scale}")
+    found, missing = entries({f.stem for f in shipped_demos()})
+    if unknown := sorted(set(args.only or ()) - {e.name for e in found}):
+        parser.error(f"--only: there is no '{unknown[0]}'; there are: {', '.join(e.name for e in found)}")
+    if args.list:
+        for entry in found:
+            runs = len(entry.suite(args.scale, args.seed).episodes) * (1 + len(entry.against))
+            print(f"{entry.name:24} {runs:5} episodes  {entry.figure.title}")
+        print(*(f"not measured: {text}" for text in missing), sep="\n")
+        return
+    args.folder.mkdir(parents=True, exist_ok=True)
+    chosen = [e for e in found if args.only is None or e.name in args.only]
+    call = f"python benchmarks/kitchen.py --scale {args.scale:g} --seed {args.seed}" + (
+        f" --only {' '.join(args.only)}" if args.only else ""
+    )
+    measured: list[Measured] = []
+    for i, entry in enumerate(chosen, start=1):
+        measured.append(measure(entry, args.folder, args.scale, args.seed, args.jobs))
+        write_atomic(args.output, page(measured, missing, chosen[i:], call, args.scale, args.seed).encode())
 
 
 if __name__ == "__main__":

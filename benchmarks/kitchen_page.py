@@ -1,0 +1,157 @@
+"""The page that `kitchen.py` writes."""
+
+from __future__ import annotations
+
+import textwrap
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from kitchen_suites import ATOMIC, FEWER, FIGURES, SHOWN, Entry, Figure
+
+from symskill_pddl.evaluation.paired import compare
+from symskill_pddl.evaluation.results import EpisodeResult, Results, TaskResult
+from symskill_pddl.evaluation.statistics import wilson
+
+
+@dataclass
+class Measured:
+    """An entry's results, and those without a mechanism."""
+
+    entry: Entry
+    results: Results
+    without: dict[str, Results] = field(default_factory=dict)
+
+
+def page(
+    measured: Sequence[Measured], missing: Sequence[str], unfinished: Sequence[Entry], call: str, scale: float, seed: int
+) -> str:
+    """The whole page."""
+    about = f"""
+        Written by `{call}`. Libraries are learned from the shipped demonstrations, the first {SHOWN} of each atomic task where
+        nothing else is said; episodes are drawn from the seeds {seed} and up. Success is the judge's word, who alone sees the
+        simulator's state. Intervals are at 95 %: Wilson's of a rate, Newcombe's of a difference of paired rates; p is of
+        McNemar's exact test. Times are the robot's clock, the median of the successful episodes [s]; new plans and recoveries
+        are means per episode; troubles are what went wrong in steps, recovered from or not ([execution.md](execution.md)
+        has the names)."""
+    lines = ["# Results in the kitchen", "", *textwrap.wrap(" ".join(about.split()), 128)]
+    if scale != 1.0:
+        lines += ["", f"**At {scale:g} of the full number of episodes.**"]
+    for figure in FIGURES:
+        here = [m for m in measured if m.entry.figure == figure]
+        if here or any(e.figure == figure for e in unfinished):
+            lines += ["", f"## {figure.title}", "", f"Wanted: {figure.target}.", ""]
+            lines += _fewer(here, measured) if figure == FEWER else _section(figure, here)
+            lines += [f"Not finished: {e.name}." for e in unfinished if e.figure == figure]
+    lines += ["", "## Failures", "", *_failures(measured)]
+    if missing:
+        lines += ["", "## Not measured", "", *(f"- {text}" for text in missing)]
+    lines += ["", "## Commands", "", "Each evaluation by itself, on the libraries that the benchmark leaves in its folder:", ""]
+    lines += [f"    {m.entry.command(scale, seed)}" for m in measured]
+    return "\n".join(lines) + "\n"
+
+
+HEAD = (
+    "| task | successes | rate | interval | time | new plans | recoveries | troubles | failures |",
+    "|---|---|---|---|---|---|---|---|---|",
+)
+
+
+def _section(figure: Figure, here: Sequence[Measured]) -> list[str]:
+    lines = list(HEAD) if here else []
+    for m in here:
+        rows = [_row(t, t.task, m.entry.what) for t in m.results.tasks]
+        lines += rows if len(rows) == 1 or not m.entry.spread else []
+        if len(rows) > 1:
+            lines.append(_row(_together(m.results.tasks), "**all**", m.entry.what))
+        for mechanism, other in m.without.items():
+            lines.append(_row(_together(other.tasks), "**all**", _named(m.entry.what, f"no {mechanism}")))
+    differences = [(m, mechanism, other) for m in here for mechanism, other in m.without.items()]
+    if differences:
+        lines += ["", "| what | with, without | difference | interval | p |", "|---|---|---|---|---|"]
+    for m, mechanism, other in differences:
+        d = compare(m.results, other)[-1]
+        rates = f"{d.both + d.only_first}, {d.both + d.only_second} of {d.trials}"
+        what = ", ".join(filter(None, (m.entry.what, mechanism)))
+        lines.append(
+            f"| {what} | {rates} | {d.difference:+.2f} | {d.interval[0]:+.2f} to {d.interval[1]:+.2f} | {d.p_value:.2g} |"
+        )
+    if differences and figure == ATOMIC:
+        lines += ["", "Without the monitor, by task:", "", *HEAD]
+        lines += [_row(t, t.task, "no monitor") for _, _, other in differences for t in other.tasks]
+    return lines
+
+
+def _fewer(here: Sequence[Measured], measured: Sequence[Measured]) -> list[str]:
+    five = [m for m in measured if m.entry.figure == ATOMIC]
+    lines = [
+        "| demonstrations of each task | successes | mean rate | interval | least task | troubles | failures |",
+        "|" + "---|" * 7,
+    ]
+    for m in sorted([*five, *here], key=lambda m: m.entry.shown):
+        total, least = _together(m.results.tasks), min(m.results.tasks, key=lambda t: t.successes / t.trials)
+        worst = f"{least.task}, {least.successes} of {least.trials}"
+        lines.append(f"| {m.entry.shown} | {_rate(total)} | {worst} | {_counts(total.troubles)} | {_counts(total.failures)} |")
+    return lines
+
+
+@dataclass(frozen=True)
+class Total:
+    """Several tasks as one."""
+
+    trials: int
+    successes: int
+    interval: tuple[float, float]
+    failures: Mapping[str, int]
+    troubles: Mapping[str, int]
+    mean_replans: float
+    mean_recoveries: float
+    median_time_s: float | None = None
+
+
+def _together(tasks: Sequence[TaskResult]) -> Total:
+    n, good = sum(t.trials for t in tasks), sum(t.successes for t in tasks)
+    failures, troubles = Counter[str](), Counter[str]()
+    for t in tasks:
+        failures.update(t.failures)
+        troubles.update(t.troubles)
+    replans, recoveries = (sum(getattr(t, name) * t.trials for t in tasks) / n for name in ("mean_replans", "mean_recoveries"))
+    times = tasks[0].median_time_s if len(tasks) == 1 else None
+    return Total(n, good, wilson(good, n), failures, troubles, replans, recoveries, times)
+
+
+def _row(t: TaskResult | Total, name: str, what: str) -> str:
+    time = "-" if t.median_time_s is None else f"{t.median_time_s:.0f}"
+    means = f"{t.mean_replans:.1f} | {t.mean_recoveries:.1f}"
+    return f"| {_named(name, what)} | {_rate(t)} | {time} | {means} | {_counts(t.troubles)} | {_counts(t.failures)} |"
+
+
+def _rate(t: TaskResult | Total) -> str:
+    low, high = t.interval
+    return f"{t.successes} of {t.trials} | {t.successes / t.trials:.2f} | {low:.2f}-{high:.2f}"
+
+
+def _named(*words: str) -> str:
+    return ", ".join(filter(None, words))
+
+
+def _counts(counts: Mapping[str, int]) -> str:
+    return ", ".join(f"{counts[name]} {name}" for name in sorted(counts) if counts[name]) or "-"
+
+
+def _failures(measured: Sequence[Measured]) -> list[str]:
+    """Every failed episode with the monitor, and how to see it again."""
+    lines = [
+        "With everything switched on; `symskill run LIBRARY --task TASK --seed SEED [--disturb ...] --trace F` does one again.",
+        "",
+    ]
+    rows = [(m.entry, t.task, e) for m in measured for t in m.results.tasks for e in t.episodes if not e.success]
+    if not rows:
+        return [*lines, "None."]
+    lines += ["| evaluation | task | seed | cause | reason |", "|---|---|---|---|---|"]
+    return [*lines, *(f"| {entry.name} | {task} | {e.seed} | {e.cause} | {_short(e)} |" for entry, task, e in rows)]
+
+
+def _short(episode: EpisodeResult, most: int = 160) -> str:
+    text = f"{episode.category}: {episode.reason}".replace("|", "/").replace("\n", " ")
+    return text if len(text) <= most else f"{text[: most - 3]}..."
