@@ -168,6 +168,11 @@ class Body:
         """Back along the hand's own approach direction."""
         return self.go(backed_off(self.scene.T_world_ee, distance_m), 3.0)
 
+    def travelled(self, since: int) -> float:
+        """Length of the path from its entry `since` on [m]."""
+        points = np.array([T.p for T in self.path[since:]])
+        return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
     def go_back(self, length_m: float, since: int = 0) -> bool:
         """Back along the path one came, at most to its entry `since`; whether all of it was reached."""
         # every way point is a few centimetres off; one that is blocked ends the attempt

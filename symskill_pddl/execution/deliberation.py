@@ -194,10 +194,11 @@ class Deliberation:
         arrived = self._body.go(T_world_ee, self._config.approach_s)
         self._journal.recovered("recover-approach", reason, _ended(arrived), begin)
 
-    def retreat(self, reason: str) -> None:
-        """Back along the own path."""
+    def retreat(self, reason: str, since: int | None = None) -> None:
+        """Back along the own path, and at least to its entry `since`: what was free on the way there is free on the way back."""
         begin = self._body.now
-        arrived = self._body.go_back(self._config.retreat_m)
+        length = 0.0 if since is None else self._body.travelled(since)
+        arrived = self._body.go_back(max(self._config.retreat_m, length))
         self._journal.recovered("recover-retreat", reason, _ended(arrived), begin)
 
     def _try_open(self, reason: str) -> Planned | None:

@@ -224,6 +224,7 @@ class _Run:
         index = 0
         while index < len(planned.steps):
             watch, run, attempt = self.prepare(planned, index)
+            entry = len(self.body.path) - 1
             verdict: Verdict = check_start(watch, self.body.state)
             self.announce(watch, verdict, run, attempt)
             if isinstance(verdict, Continue):
@@ -247,7 +248,7 @@ class _Run:
                     self.belief.blame(watch, verdict)
                     if isinstance(verdict, Stalled) and verdict.blocked:
                         self.belief.held_up(watch.step, run.stage)
-                        self.mind.retreat(verdict.reason)
+                        self.mind.retreat(verdict.reason, entry)
                     if self.try_again(watch, verdict):
                         continue
                     return f"{watch.step}: {verdict.reason}"
