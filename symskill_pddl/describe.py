@@ -14,7 +14,7 @@ from symskill_pddl.geometry import Array
 from symskill_pddl.library import LearnedOperator, Library
 from symskill_pddl.scene import GRIPPER
 from symskill_pddl.skills import Skill
-from symskill_pddl.symbols import GRIPPER_OPEN, Absent, Atom
+from symskill_pddl.symbols import GRIPPER_OPEN, Absent, Atom, Operator
 
 
 def geometry_lines(classifier: Classifier) -> tuple[str, ...]:
@@ -80,6 +80,17 @@ def experience_lines(learned: LearnedOperator) -> tuple[str, ...]:
     )
 
 
+def support_lines(library: Library, predicate: str) -> tuple[str, ...]:
+    """What a predicate rests on: the operators that bring it about or end it, their episodes, and how clear its reference is."""
+    shows = [o for o in library.operators if predicate in {a.predicate for a in o.operator.add | o.operator.delete}]
+    episodes, demos = sum(o.support for o in shows), len({e.demo for o in shows for e in o.evidence})
+    names = ", ".join(o.operator.name for o in shows)
+    lines = [f"support: {_count(episodes, 'episode')} in {_count(demos, 'demonstration')} ({names})"]
+    if predicate in library.margins:
+        lines.append(f"reference: its score leads the next candidate's by {library.margins[predicate]:.2f}")
+    return tuple(lines)
+
+
 def operator_lines(learned: LearnedOperator) -> tuple[str, ...]:
     """Where an operator comes from and what it keeps true; the strict precondition where it differs from the refined one."""
     lines = [support_text(learned), *experience_lines(learned), f"skill {learned.skill}"]
@@ -112,6 +123,35 @@ def absent_text(condition: Absent) -> str:
     if not condition.over:
         return f"not {condition.atom}"
     return f"no {', '.join(f'{p.name} - {p.type}' for p in condition.over)} with {condition.atom}"
+
+
+def operator_summary(learned: LearnedOperator) -> str:
+    """An operator in words, made of types: ``Pick lid from cabinet``, ``Place lid → cookware``, ``Open door``."""
+    op = learned.operator
+    types = [p.type.replace("-", " ") for p in op.parameters]
+    if learned.kind == "pick" and len(types) > 1 and "-from-" in op.name:
+        return f"Pick {types[0]} from {types[1]}"
+    if learned.kind == "place" and len(types) > 1:
+        return f"Place {types[0]} → {types[1]}"
+    words = op.name.replace("-", " ")
+    return words[:1].upper() + words[1:]
+
+
+def short_atom(atom: Atom, operator: Operator) -> str:
+    """The predicate alone where it speaks of the operator's first parameters of its types, else with its arguments."""
+    first: dict[str, str] = {}
+    for p in operator.parameters:
+        first.setdefault(p.type, p.name)
+    if len(set(atom.args)) == len(atom.args) and set(atom.args) <= set(first.values()):
+        return atom.predicate
+    return f"{atom.predicate}({', '.join(atom.args)})"
+
+
+def short_absent(condition: Absent, operator: Operator) -> str:
+    """``no lid-on-cookware``: no object stands in this relation to the operator's own."""
+    over = {p.name for p in condition.over}
+    own = Atom(condition.atom.predicate, tuple(a for a in condition.atom.args if a not in over))
+    return f"{'no' if over else 'not'} {short_atom(own, operator)}"
 
 
 def _fingers(closed: bool) -> str:

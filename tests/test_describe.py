@@ -9,6 +9,9 @@ from symskill_pddl.describe import (
     geometry_text,
     gripper_text,
     operator_lines,
+    operator_summary,
+    short_absent,
+    short_atom,
     skill_lines,
 )
 from symskill_pddl.geometry import Pose
@@ -133,3 +136,33 @@ def test_comments_of_a_domain_cover_types_predicates_and_operators():
     assert set(comments) == {"gripper-open", "food-on-counter", "pick-food", "food"}
     assert comments["food"] == ["fits a box of 6.0 x 4.0 x 20 cm"]
     assert all("\n" not in line for lines in comments.values() for line in lines)
+
+
+def lid_operator(**changes):
+    values = {
+        "name": "pick-lid-from-cookware",
+        "parameters": (Parameter("?lid", "lid"), Parameter("?cookware", "cookware"), Parameter("?lid-2", "lid")),
+        "pre": frozenset({Atom("gripper-open"), Atom("lid-on-cookware", ("?lid", "?cookware"))}),
+        "add": frozenset({Atom("gripper-holds-lid", ("?lid",))}),
+        "delete": frozenset(),
+    }
+    return Operator(**{**values, **changes})
+
+
+def test_operators_are_summed_up_from_their_types():
+    def summary(name, kind, **changes):
+        return operator_summary(LearnedOperator(lid_operator(name=name, **changes), frozenset(), name, kind, (), (1.0, 1.0)))
+
+    assert summary("pick-lid-from-cookware", "pick") == "Pick lid from cookware"
+    assert summary("place-lid-on-cookware", "place") == "Place lid → cookware"
+    assert summary("pick-lid", "pick") == "Pick lid"
+    assert summary("open-door", "move") == "Open door"
+
+
+def test_atoms_are_as_short_as_they_are_clear():
+    op = lid_operator()
+    assert short_atom(Atom("lid-on-cookware", ("?lid", "?cookware")), op) == "lid-on-cookware"
+    assert short_atom(Atom("lid-on-cookware", ("?lid-2", "?cookware")), op) == "lid-on-cookware(?lid-2, ?cookware)"
+    absent = Absent(Atom("lid-on-cookware", ("?other", "?cookware")), (Parameter("?other", "lid"),))
+    assert short_absent(absent, op) == "no lid-on-cookware"
+    assert short_absent(Absent(Atom("gripper-open")), op) == "not gripper-open"

@@ -127,14 +127,33 @@ def show(
     why: Annotated[
         str | None, typer.Option("--why", metavar="NAME", help="Where an operator or a predicate comes from, and why it is so.")
     ] = None,
+    picture: Annotated[
+        Path | None, typer.Option("--picture", metavar="FILE.svg", help="With --why: draw the predicate over its data.")
+    ] = None,
+    form: Annotated[
+        str | None, typer.Option("--table", metavar="FORM", help="The operators alone, as a markdown or latex table.")
+    ] = None,
 ) -> None:
     """Show a library: predicates, operators and skills."""
     from symskill_pddl.cli import views
+    from symskill_pddl.cli.operators import operators_as
     from symskill_pddl.cli.why import why as reasons_of
     from symskill_pddl.cli.work import open_library
 
+    if picture is not None and why is None:
+        raise InputError("--picture belongs to --why PREDICATE")
+    if form is not None and (why is not None or json):
+        raise InputError("--table prints the operators alone, without --why and --json")
     learned = open_library(library)
+    if form is not None:
+        say("\n".join(operators_as(learned, form)))
+        return
     if why is not None:
+        if picture is not None:
+            from symskill_pddl.cli.picture import draw_predicate
+
+            draw_predicate(learned, why, picture)
+            remark(f"{picture}: drawn")
         reasons = reasons_of(learned, why)
         if json:
             emit_json(reasons.document)

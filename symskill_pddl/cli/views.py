@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from symskill_pddl.cli.operators import COLUMNS, operator_rows
 from symskill_pddl.describe import absent_text, atoms_text, geometry_text, gripper_text, skill_lines
 from symskill_pddl.library import LearnedOperator, Library
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom
@@ -36,16 +37,8 @@ def predicate_rows(library: Library) -> Rows:
 
 
 def operator_table(library: Library) -> Table:
-    """The operators: name and parameters, what each needs and does, how often it was seen, and how long it takes."""
-    return "Operators", ("operator", "", "seen", "mean [s]"), [_operator_row(learned) for learned in library.operators]
-
-
-def _operator_row(learned: LearnedOperator) -> tuple[str, ...]:
-    op = learned.operator
-    head = "\n".join((op.name, *(f"  {p.name} - {p.type}" for p in op.parameters)))
-    needs = " ".join((atoms_text(op.pre), *(absent_text(a) for a in sorted(op.absent))))
-    does = f"needs {needs}\nadds  {atoms_text(op.add)}\nends  {atoms_text(op.delete)}"
-    return head, does, str(learned.support), f"{learned.duration_s[0]:.1f}"
+    """The operators in the form of the paper's table."""
+    return "Operators", COLUMNS, list(operator_rows(library))
 
 
 def skill_rows(library: Library) -> Rows:

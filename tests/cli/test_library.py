@@ -167,3 +167,33 @@ def test_why(symskill: Callable[..., Any], people: Path, tmp_path: Path) -> None
     assert "neither an operator nor a predicate" in error
     assert "place-cubea-on-cubeb" in error
     assert "gripper-open" in error
+
+
+def test_operators_as_the_papers_table(symskill: Callable[..., Any], library: Path) -> None:
+    markdown = symskill("show", library, "--table", "markdown").out.splitlines()
+    assert markdown[0] == "| Operator | Summary | Preconditions | Effects | Maintain Conditions |"
+    row = next(line for line in markdown if "pick-cube-from-table" in line)
+    assert "| Pick cube from table |" in row
+    assert "gripper-holds-cube, ¬cube-at-table, ¬gripper-open" in row
+    latex = symskill("show", library, "--table", "latex").out
+    assert latex.startswith("\\begin{tabular}{lllll}\n\\toprule")
+    assert "$\\lnot$cube-at-table" in latex
+    refused = symskill("show", library, "--table", "html")
+    assert (refused.status, refused.out) == (2, "")
+    assert "expected" in refused.err
+    assert symskill("show", library, "--table", "latex", "--json").status == 2
+
+
+def test_a_predicate_is_drawn_over_its_data(symskill: Callable[..., Any], library: Path, tmp_path: Path) -> None:
+    done = symskill("show", library, "--why", "cube-at-table", "--picture", tmp_path / "cube.svg")
+    assert done.status == 0
+    assert "support: " in (tmp_path / "cube.svg").read_text()
+    for arguments, message in (
+        (("--why", "cube-at-table", "--picture", tmp_path / "cube.png"), "ends in .svg"),
+        (("--why", "pick-cube-from-table", "--picture", tmp_path / "x.svg"), "no learned predicate"),
+        (("--picture", tmp_path / "x.svg"), "belongs to --why"),
+    ):
+        refused = symskill("show", library, *arguments)
+        assert (refused.status, refused.out) == (2, "")
+        assert message in refused.err
+    assert not (tmp_path / "x.svg").exists()
