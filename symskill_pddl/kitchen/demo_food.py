@@ -23,8 +23,8 @@ ON_COUNTER = ((0.55, 0.10), (0.03, 0.06))
 """Where people put food on the counter: middle and half width in the world [m]."""
 IN_CABINET = ((-0.08, -0.005), (0.02, 0.04))
 """Where they put it in the cabinet, in its frame [m]."""
-IN_DISH = {"pan": 0.012, "plate": 0.008}
-"""How far from the middle of a dish they put it, to either side [m]."""
+IN_DISH = {"pan": ((-0.02, 0.0), 0.010), "plate": ((0.0, 0.0), 0.008)}
+"""Where they put it in a dish, in its frame, and how far from there to either side [m]: in a pan, in the nearer half."""
 FRONT = -layout.CABINET.half[0]
 """The plane of the cabinet's opening: x in its frame."""
 
@@ -69,17 +69,17 @@ def _between_dishes(hand: Hand, food: str, start: str, end: str) -> None:
     rng = hand.rng
     grasp = _pick(hand, food, [], _grasp(hand, food))
     up = moved(grasp, [0.0, 0.0, rng.uniform(0.07, 0.10)])
-    aside = rng.uniform(-1.0, 1.0, 2) * IN_DISH[end]
-    place = _place(hand, grasp, _floor(hand, end, (float(aside[0]), float(aside[1]))), _floor(hand, start)[2])
+    spot, spread = IN_DISH[end]
+    place = _place(hand, grasp, _floor(hand, end, np.array(spot) + rng.uniform(-spread, spread, 2)), _floor(hand, start)[2])
     _carry(hand, [up, moved(place, [0.0, 0.0, rng.uniform(0.08, 0.10)])], place)
     _retreat(hand, [along(place, -float(rng.uniform(0.09, 0.12)))])
 
 
-def _floor(hand: Hand, dish: str, at: tuple[float, float] = (0.0, 0.0)) -> Array:
+def _floor(hand: Hand, dish: str, at: ArrayLike = (0.0, 0.0)) -> Array:
     """A point of a dish's floor in the world (3,)."""
     shape = DISHES[dish].shape
     assert isinstance(shape, Vessel)
-    return hand.scene.pose(dish).apply((*at, shape.floor_z))
+    return hand.scene.pose(dish).apply((*np.asarray(at), shape.floor_z))
 
 
 def _grasp(hand: Hand, food: str) -> Pose:

@@ -5,7 +5,7 @@ The top of the counter is z = 0. Numbers are those of a real kitchen, within wha
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import radians
 
@@ -147,6 +147,7 @@ PARTS = {
         LEVER.half, (-0.03, 0.0, 0.0), shut=0.2, opened=0.9,
     ),
 }  # fmt: skip
+PARTS["knob-2"] = replace(PARTS["knob"], unit="stove-2")
 """Every part there is, by its name."""
 
 OBSTACLE = "obstacle"
@@ -208,6 +209,13 @@ KITCHEN = SceneLayout(
     loose.FOODS | loose.DISHES,
 )
 """The kitchen of the atomic tasks."""
+DINNER = SceneLayout(
+    "dinner",
+    KITCHEN.units | {"stove-2": Unit("stove", "stove", Box((0.54, -0.305, 0.003), STOVE.half))},
+    KITCHEN.parts | {"knob-2": PARTS["knob-2"]},
+    KITCHEN.loose | {"butter": loose.BUTTER},
+)
+"""The same with a second hob beside the first and one more food, for the longest goal."""
 PLAY = SceneLayout(
     "play",
     {
@@ -218,7 +226,7 @@ PLAY = SceneLayout(
     loose.PLAYTHINGS,
 )
 """The scene of play: pan on a hob, a rack for its lid, two plates, two things."""
-SCENES = {scene.name: scene for scene in (KITCHEN, PLAY)}
+SCENES = {scene.name: scene for scene in (KITCHEN, DINNER, PLAY)}
 
 
 def hand_pose(p: Array | Vec3, yaw: float, pitch: float) -> Pose:

@@ -104,10 +104,11 @@ class Loose:
 
 
 BREAD, CAN = Mesh("bread", (0.02, 0.024, 0.024)), Mesh("can", (0.025, 0.025, 0.024), (1.0, 1.0, 0.6))
-CHEESE, BUTTER = Block((0.03, 0.02, 0.02), "0.98 0.80 0.20 1"), Block((0.03, 0.02, 0.02), "0.99 0.95 0.72 1")
+CHEESE = Block((0.03, 0.02, 0.02), "0.98 0.80 0.20 1")
 FOODS = {"cheese": Loose("food", CHEESE, 0.12), "bread": Loose("food", BREAD, 0.10), "can": Loose("food", CAN, 0.15)}
 """Each fits between the fingers across y."""
-PAN = Loose("cookware", Vessel(0.090, 0.036, "0.22 0.22 0.24 1", ears=0.024), 0.7)
+BUTTER = Loose("food", Block((0.03, 0.02, 0.02), "0.99 0.95 0.72 1"), 0.12)
+PAN = Loose("cookware", Vessel(0.090, 0.036, "0.42 0.43 0.46 1", ears=0.024), 0.7)
 """Shallow, as the hand that takes food from its floor is a box of 20 cm with its underside 3 cm above the grip."""
 PLATE = Loose("container", Vessel(0.070, 0.015, "0.95 0.95 0.97 1"), 0.3)
 DISHES = {"pan": PAN, "plate": PLATE}

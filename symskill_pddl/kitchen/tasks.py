@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from numpy.random import Generator
@@ -14,7 +14,7 @@ from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.episode import Episode, place, uniform
 from symskill_pddl.kitchen.judges import covers, in_cabinet, in_rack, inside, is_open, is_shut, let_go, on_counter
-from symskill_pddl.kitchen.layout import KITCHEN, PLAY, Box, SceneLayout, hand_pose
+from symskill_pddl.kitchen.layout import DINNER, KITCHEN, PLAY, Box, SceneLayout, hand_pose
 
 if TYPE_CHECKING:
     from symskill_pddl.kitchen.physics import Physics
@@ -96,6 +96,21 @@ def _with_part(part: str, *start: float, door_deg: tuple[float, float] = (0.0, 0
 def _food(start: str, end: str, door_deg: tuple[float, float] = (0.0, 0.0)) -> Callable[[Generator], Episode]:
     """Episodes about a food that is at `start` and belongs at `end`."""
     return lambda rng: _draw(rng, ("food", start, end), None, start, door_deg)
+
+
+def _laid(focus: tuple[str, ...], scene: SceneLayout, **spots: tuple[str, Box]) -> Callable[[Generator], Episode]:
+    """Episodes with a shut cabinet and foods at spots of their own."""
+
+    def draw(rng: Generator) -> Episode:
+        episode = _draw(rng, focus, "cheese", "cabinet")
+        own = rng.spawn(1)[0]
+        loose = episode.loose | {name: place(own, on, box, YAW_DEG[on]) for name, (on, box) in spots.items()}
+        # a second hob stands flush with the first
+        shifts = {name: episode.shifts[name if name in episode.shifts else "stove"] for name in scene.units}
+        positions = {name: episode.positions.get(name, 0.0) for name in scene.parts}
+        return replace(episode, shifts=shifts, positions=positions, loose={name: loose[name] for name in scene.loose})
+
+    return draw
 
 
 def _cheese(start: str) -> Callable[[Generator], Episode]:
@@ -230,6 +245,54 @@ COMPOSED = (
 )
 
 
+def _spot(x: float, y: float, half: float = 0.006) -> Box:
+    return Box((x, y, 0.0), (half, half, 0.0))
+
+
+BREAKFAST = (
+    ("PnPCabToCounter", ("cheese", "cabinet", "counter")),
+    ("PnPCounterToStove", ("bread", "plate", "pan")),
+    ("TurnOnStove", ("knob", "stove")),
+    ("OpenDrawer", ("drawer", "drawer-unit")),
+)
+DINNER_GOALS = (
+    ("PnPCabToCounter", ("cheese", "cabinet", "counter")),
+    ("PnPCounterToCab", ("bread", "counter", "cabinet")),
+    ("PnPStoveToCounter", ("can", "pan", "plate")),
+    ("PnPCounterToStove", ("butter", "plate", "pan")),
+    ("TurnOnStove", ("knob", "stove")),
+    ("TurnOnStove", ("knob-2", "stove-2")),
+    ("TurnOnSinkFaucet", ("lever", "sink")),
+    ("OpenDrawer", ("drawer", "drawer-unit")),
+    ("CloseSingleDoor", ("door", "cabinet")),
+)
+
+
+def _about(goals: tuple[tuple[str, tuple[str, ...]], ...]) -> tuple[str, ...]:
+    """What all goals together are about; the door too, as the cabinet is shut."""
+    return tuple(dict.fromkeys([*(name for _, focus in goals for name in focus), "door"]))
+
+
+LONG = (
+    _composed("MakeBreakfast", _laid(_about(BREAKFAST), KITCHEN, bread=("plate", PLATE_SPOT)), *BREAKFAST),
+    _composed(
+        "CookDinner",
+        _laid(
+            _about(DINNER_GOALS),
+            DINNER,
+            # what stays and what comes do not meet, in whatever order: in the cabinet and the pan there is room for both
+            cheese=("cabinet", _spot(-0.08, -0.105)),
+            can=("pan", _spot(0.042, 0.0)),
+            bread=("counter", _spot(0.36, -0.435)),
+            butter=("counter", _spot(0.47, -0.435)),
+        ),
+        *DINNER_GOALS,
+        scene=DINNER,
+    ),
+)
+"""Goals of 12 and 24 operators: opening the door and shutting it takes four each, everything else two."""
+
+
 def _tidy(physics: Physics, _focus: tuple[str, ...]) -> bool:
     """Every thing lies in a dish, the lid on the pan or in the rack, and the hand is away from all of them."""
     dishes, things = PLAY.of_type("cookware", "drawer", "container"), PLAY.of_type("thing")
@@ -264,7 +327,7 @@ PLAYING = (
     ),
 )  # fmt: skip
 
-TASKS: dict[str, TaskSpec] = {spec.name: spec for spec in (*ATOMIC, *COMPOSED, *PLAYING)}
+TASKS: dict[str, TaskSpec] = {spec.name: spec for spec in (*ATOMIC, *COMPOSED, *LONG, *PLAYING)}
 
 
 def task_named(name: str) -> TaskSpec:
