@@ -56,21 +56,22 @@ def to_cabinet(hand: Hand, food: str) -> None:
 
 def to_plate(hand: Hand, food: str) -> None:
     """Out of the pan, onto the plate."""
-    _between_dishes(hand, food, "pan", "plate")
+    _into_dish(hand, food, _floor(hand, "pan")[2], "plate")
 
 
 def to_pan(hand: Hand, food: str) -> None:
-    """From the plate into the pan."""
-    _between_dishes(hand, food, "plate", "pan")
+    """From the plate, or the counter, into the pan."""
+    on_plate = np.linalg.norm((hand.scene.pose(food).p - hand.scene.pose("plate").p)[:2]) < DISHES["plate"].half[0]
+    _into_dish(hand, food, _floor(hand, "plate")[2] if on_plate else COUNTER_TOP, "pan")
 
 
-def _between_dishes(hand: Hand, food: str, start: str, end: str) -> None:
-    """Straight up out of the one, over its rim, and straight down into the other."""
+def _into_dish(hand: Hand, food: str, support: float, dish: str) -> None:
+    """Straight up from a support of this height, over the dish's rim, and straight down into it."""
     rng = hand.rng
     grasp = _pick(hand, food, [], _grasp(hand, food))
     up = moved(grasp, [0.0, 0.0, rng.uniform(0.07, 0.10)])
-    spot, spread = IN_DISH[end]
-    place = _place(hand, grasp, _floor(hand, end, np.array(spot) + rng.uniform(-spread, spread, 2)), _floor(hand, start)[2])
+    spot, spread = IN_DISH[dish]
+    place = _place(hand, grasp, _floor(hand, dish, np.array(spot) + rng.uniform(-spread, spread, 2)), support)
     _carry(hand, [up, moved(place, [0.0, 0.0, rng.uniform(0.08, 0.10)])], place)
     _retreat(hand, [along(place, -float(rng.uniform(0.09, 0.12)))])
 
