@@ -2,8 +2,8 @@
 
     python benchmarks/kitchen_pictures.py [TASK ...] [-o docs/kitchen]
 
-A task ends as the demonstrator leaves it; a composed one is done piece by piece, in an order that people would choose. Goals in the
-scene of play are set up as they should end. Says of each whether its judge accepts it. Needs EGL or OSMesa.
+A task ends as the demonstrator leaves it; a composed one is done piece by piece, in an order that people would choose. Goals in
+the scene of play are set up as they should end. Says of each whether its judge accepts it. Needs EGL or OSMesa.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ PIECES = {
         ("OpenDrawer", "drawer"),
         ("PnPStoveToCounter", "can"),
         ("PnPCounterToStove", "butter"),
+        ("PnPCounterToStove", "bread", "pan-2"),
         ("TurnOnStove", "knob"),
         ("TurnOnStove", "knob-2"),
         OPEN,
         ("PnPCabToCounter", "cheese"),
-        ("PnPCounterToCab", "bread"),
         SHUT,
     ),
 }
@@ -54,8 +54,8 @@ PIECES = {
 def piece_by_piece(kitchen: Kitchen, rng: np.random.Generator) -> None:
     """One after the other, by one unhurried person."""
     hand = Hand(kitchen, Person(), Faults(), rng)
-    for task, name in PIECES[kitchen.task]:
-        WAYS[task](hand, name)
+    for task, *names in PIECES[kitchen.task]:
+        WAYS[task](hand, *names)
 
 
 def arrange(kitchen: Kitchen) -> None:

@@ -14,7 +14,7 @@ from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.demo_hand import Hand, along, facing, moved, offset
 from symskill_pddl.kitchen.episode import INSIDE_FLOOR
 from symskill_pddl.kitchen.human import approach_twice, vary
-from symskill_pddl.kitchen.loose import DISHES, FOODS, Vessel
+from symskill_pddl.kitchen.loose import FOODS, PLATE, Vessel
 
 PITCH_DEG = (76.0, 80.0)
 COUNTER_TOP, CABINET_FLOOR = 0.0, INSIDE_FLOOR
@@ -23,7 +23,7 @@ ON_COUNTER = ((0.55, 0.10), (0.03, 0.06))
 """Where people put food on the counter: middle and half width in the world [m]."""
 IN_CABINET = ((-0.08, -0.005), (0.02, 0.04))
 """Where they put it in the cabinet, in its frame [m]."""
-IN_DISH = {"pan": ((-0.02, 0.0), 0.010), "plate": ((0.0, 0.0), 0.008)}
+IN_DISH = {"cookware": ((-0.02, 0.0), 0.010), "container": ((0.0, 0.0), 0.008)}
 """Where they put it in a dish, in its frame, and how far from there to either side [m]: in a pan, in the nearer half."""
 FRONT = -layout.CABINET.half[0]
 """The plane of the cabinet's opening: x in its frame."""
@@ -59,10 +59,10 @@ def to_plate(hand: Hand, food: str) -> None:
     _into_dish(hand, food, _floor(hand, "pan")[2], "plate")
 
 
-def to_pan(hand: Hand, food: str) -> None:
+def to_pan(hand: Hand, food: str, pan: str = "pan") -> None:
     """From the plate, or the counter, into the pan."""
-    on_plate = np.linalg.norm((hand.scene.pose(food).p - hand.scene.pose("plate").p)[:2]) < DISHES["plate"].half[0]
-    _into_dish(hand, food, _floor(hand, "plate")[2] if on_plate else COUNTER_TOP, "pan")
+    on_plate = np.linalg.norm((hand.scene.pose(food).p - hand.scene.pose("plate").p)[:2]) < PLATE.half[0]
+    _into_dish(hand, food, _floor(hand, "plate")[2] if on_plate else COUNTER_TOP, pan)
 
 
 def _into_dish(hand: Hand, food: str, support: float, dish: str) -> None:
@@ -70,7 +70,7 @@ def _into_dish(hand: Hand, food: str, support: float, dish: str) -> None:
     rng = hand.rng
     grasp = _pick(hand, food, [], _grasp(hand, food))
     up = moved(grasp, [0.0, 0.0, rng.uniform(0.07, 0.10)])
-    spot, spread = IN_DISH[dish]
+    spot, spread = IN_DISH[layout.DINNER.loose[dish].type]
     place = _place(hand, grasp, _floor(hand, dish, np.array(spot) + rng.uniform(-spread, spread, 2)), support)
     _carry(hand, [up, moved(place, [0.0, 0.0, rng.uniform(0.08, 0.10)])], place)
     _retreat(hand, [along(place, -float(rng.uniform(0.09, 0.12)))])
@@ -78,7 +78,7 @@ def _into_dish(hand: Hand, food: str, support: float, dish: str) -> None:
 
 def _floor(hand: Hand, dish: str, at: ArrayLike = (0.0, 0.0)) -> Array:
     """A point of a dish's floor in the world (3,)."""
-    shape = DISHES[dish].shape
+    shape = layout.DINNER.loose[dish].shape
     assert isinstance(shape, Vessel)
     return hand.scene.pose(dish).apply((*np.asarray(at), shape.floor_z))
 

@@ -213,9 +213,9 @@ DINNER = SceneLayout(
     "dinner",
     KITCHEN.units | {"stove-2": Unit("stove", "stove", Box((0.54, -0.305, 0.003), STOVE.half))},
     KITCHEN.parts | {"knob-2": PARTS["knob-2"]},
-    KITCHEN.loose | {"butter": loose.BUTTER},
+    KITCHEN.loose | {"butter": loose.BUTTER, "pan-2": loose.PAN},
 )
-"""The same with a second hob beside the first and one more food, for the longest goal."""
+"""The same with a second hob beside the first, a pan on it, and one more food, for the longest goal."""
 PLAY = SceneLayout(
     "play",
     {

@@ -104,7 +104,7 @@ def _laid(focus: tuple[str, ...], scene: SceneLayout, **spots: tuple[str, Box]) 
     def draw(rng: Generator) -> Episode:
         episode = _draw(rng, focus, "cheese", "cabinet")
         own = rng.spawn(1)[0]
-        loose = episode.loose | {name: place(own, on, box, YAW_DEG[on]) for name, (on, box) in spots.items()}
+        loose = episode.loose | {name: place(own, on, box, YAW_DEG.get(on, (-5.0, 5.0))) for name, (on, box) in spots.items()}
         # a second hob stands flush with the first
         shifts = {name: episode.shifts[name if name in episode.shifts else "stove"] for name in scene.units}
         positions = {name: episode.positions.get(name, 0.0) for name in scene.parts}
@@ -257,9 +257,9 @@ BREAKFAST = (
 )
 DINNER_GOALS = (
     ("PnPCabToCounter", ("cheese", "cabinet", "counter")),
-    ("PnPCounterToCab", ("bread", "counter", "cabinet")),
     ("PnPStoveToCounter", ("can", "pan", "plate")),
     ("PnPCounterToStove", ("butter", "plate", "pan")),
+    ("PnPCounterToStove", ("bread", "plate", "pan-2")),
     ("TurnOnStove", ("knob", "stove")),
     ("TurnOnStove", ("knob-2", "stove-2")),
     ("TurnOnSinkFaucet", ("lever", "sink")),
@@ -280,11 +280,11 @@ LONG = (
         _laid(
             _about(DINNER_GOALS),
             DINNER,
-            # what stays and what comes do not meet, in whatever order: in the cabinet and the pan there is room for both
-            cheese=("cabinet", _spot(-0.08, -0.105)),
+            # in the pan there is room for what leaves it and for what comes, in whatever order
             can=("pan", _spot(0.042, 0.0)),
             bread=("counter", _spot(0.36, -0.435)),
             butter=("counter", _spot(0.47, -0.435)),
+            **{"pan-2": ("stove-2", Box((PAN_ON_STOVE.center[0], -0.025, 0.0), PAN_ON_STOVE.half))},
         ),
         *DINNER_GOALS,
         scene=DINNER,
