@@ -63,7 +63,7 @@ examples: install
 	scripts/make_examples.sh
 
 # The shipped demonstrations: ten of each atomic task, and one of play; the same files again.
-TASKS := OpenSingleDoor CloseSingleDoor PnPCabToCounter PnPCounterToCab OpenDrawer CloseDrawer \
+TASKS := OpenSingleDoor CloseSingleDoor PnPCabToCounter PnPCounterToCab PnPStoveToCounter PnPCounterToStove OpenDrawer CloseDrawer \
     TurnOnStove TurnOffStove TurnOnSinkFaucet TurnOffSinkFaucet
 demonstrations: install
 	mkdir -p symskill_pddl/data/kitchen

@@ -20,6 +20,8 @@ open-door OpenSingleDoor 0
 close-door CloseSingleDoor 0
 cabinet-to-counter PnPCabToCounter 0
 counter-to-cabinet PnPCounterToCab 0
+stove-to-counter PnPStoveToCounter 0
+counter-to-stove PnPCounterToStove 0
 open-drawer OpenDrawer 0
 close-drawer CloseDrawer 0
 turn-on-stove TurnOnStove 0
@@ -27,6 +29,9 @@ turn-off-stove TurnOffStove 0
 turn-on-faucet TurnOnSinkFaucet 0
 turn-off-faucet TurnOffSinkFaucet 0
 store-cheese StoreCheese 0
+put-cheese-away PutCheeseAway 0
+make-breakfast MakeBreakfast 0
+cook-dinner CookDinner 0
 EOF
 
 # the README shows the domain's pick from the cabinet

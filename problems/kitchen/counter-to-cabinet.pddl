@@ -1,5 +1,4 @@
 ; task PnPCounterToCab, seed 0
-; assumed (knob-unturned knob stove): knob is in no known relation, this is the nearest (margin -0.94)
 (define (problem pnpcountertocab-0)
   (:domain kitchen)
   (:objects
@@ -15,6 +14,8 @@
     cheese - food
     bread - food
     can - food
+    pan - cookware
+    plate - container
   )
   (:init
     (door-open door-1 cabinet-1)
@@ -25,6 +26,8 @@
     (gripper-open)
     (knob-unturned knob-1 stove-1)
     (lever-unturned lever-1 sink-1)
+    (none-food-in-cookware pan)
+    (none-food-on-container plate)
   )
   (:goal (and
     (food-in-cabinet can cabinet-1)))

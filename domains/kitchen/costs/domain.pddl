@@ -2,10 +2,14 @@
 ; This file may be edited by hand; `symskill check` says what an edit means.
 ; costs are in 1/100 of the unit that they were learned in
 (define (domain kitchen)
-  (:requirements :strips :typing :action-costs)
+  (:requirements :strips :typing :negative-preconditions :universal-preconditions :action-costs)
   (:types
     ; fits a box of 30 x 38 x 50 cm
     cabinet - object
+    ; fits a box of 15 x 15 x 1.5 cm
+    container - object
+    ; fits a box of 19 x 19 x 3.6 cm
+    cookware - object
     ; fits a box of 72 x 180 x 4.0 cm
     counter - object
     ; fits a box of 1.8 x 38 x 50 cm
@@ -22,26 +26,26 @@
     lever - object
     ; fits a box of 30 x 26 x 8.0 cm
     sink - object
-    ; fits a box of 36 x 16 x 1.2 cm
+    ; fits a box of 40 x 18 x 0.6 cm
     stove - object
   )
   (:predicates
     ; built in: the fingers are told to open and are further apart than 6.1 cm; false again below 4.9 cm
     (gripper-open)
-    ; gripper at x -4.8, y 14.4, z -13.7 cm in the door's frame, give or take 1.8 x 1.8 x 2.6 cm
-    ; turned 132 deg about (-0.05, 1.00, 0.02), give or take 22 x 17 x 22 deg
+    ; gripper at x -4.8, y 14.4, z -13.7 cm in the door's frame, give or take 1.8 x 1.8 x 2.5 cm
+    ; turned 132 deg about (-0.05, 1.00, 0.02), give or take 22 x 17 x 21 deg
     ; false again beyond 1.3 times that
     (gripper-at-door-to-close ?door - door)
-    ; gripper at x 3.8, y 12.9, z -11.8 cm in the door's frame, give or take 3.2 x 2.4 x 3.5 cm
-    ; turned 175 deg about (-0.08, -0.88, 0.46), give or take 16 x 31 x 25 deg
+    ; gripper at x 3.6, y 12.9, z -11.8 cm in the door's frame, give or take 2.8 x 2.4 x 3.5 cm
+    ; turned 174 deg about (-0.09, -0.88, 0.46), give or take 16 x 27 x 22 deg
     ; false again beyond 1.3 times that
     (gripper-at-door-to-open ?door - door)
-    ; gripper at x -3.2, y 2.8, z 0.0 cm in the lever's frame, give or take 3.1 x 2.9 x 2.3 cm
-    ; turned 164 deg about (-0.14, 0.99, 0.02), give or take 21 x 18 x 48 deg
+    ; gripper at x -3.2, y 2.8, z 0.0 cm in the lever's frame, give or take 3.1 x 2.7 x 2.3 cm
+    ; turned 164 deg about (-0.15, 0.99, 0.02), give or take 20 x 18 x 41 deg
     ; false again beyond 1.3 times that
     (gripper-at-lever-to-turn ?lever - lever)
-    ; gripper at x -3.4, y -3.4, z 0.1 cm in the lever's frame, give or take 4.1 x 3.0 x 3.0 cm
-    ; turned 165 deg about (-0.14, 0.99, 0.02), give or take 19 x 20 x 40 deg
+    ; gripper at x -3.5, y -3.5, z 0.1 cm in the lever's frame, give or take 4.1 x 3.1 x 3.0 cm
+    ; turned 165 deg about (-0.13, 0.99, 0.02), give or take 19 x 21 x 36 deg
     ; false again beyond 1.3 times that
     (gripper-at-lever-to-turn-back ?lever - lever)
     ; gripper at x -5.3, y 14.5, z -12.3 cm in the door's frame, give or take 1.8 x 1.8 x 3.2 cm
@@ -49,7 +53,7 @@
     ; false again beyond 1.3 times that
     (gripper-holds-door-from-closed ?door - door)
     ; gripper at x 0.1, y 18.8, z -10.1 cm in the door's frame, give or take 2.4 x 2.4 x 5.5 cm
-    ; turned 157 deg about (0.67, 0.72, -0.19), give or take 18 x 17 x 19 deg
+    ; turned 157 deg about (0.67, 0.72, -0.19), give or take 17 x 17 x 19 deg
     ; false again beyond 1.3 times that
     (gripper-holds-door-from-open ?door - door)
     ; gripper at x -6.8, y -0.3, z 3.0 cm in the drawer's frame, give or take 1.8 x 3.9 x 1.8 cm
@@ -60,8 +64,8 @@
     ; turned 160 deg about (-0.70, 0.69, -0.18), give or take 18 x 16 x 16 deg
     ; false again beyond 1.3 times that
     (gripper-holds-drawer-to-open ?drawer - drawer)
-    ; gripper at x -0.1, y 0.0, z 0.1 cm in the food's frame, give or take 2.2 x 2.2 x 2.2 cm
-    ; turned 168 deg about y, give or take 15 x 15 x 16 deg
+    ; gripper at x -0.1, y 0.0, z 0.1 cm in the food's frame, give or take 2.2 x 2.1 x 2.2 cm
+    ; turned 167 deg about y, give or take 14 x 15 x 15 deg
     ; false again beyond 1.3 times that
     (gripper-holds-food ?food - food)
     ; gripper at x -0.1, y 0.1, z -0.2 cm in the knob's frame, give or take 1.9 x 1.8 x 1.8 cm
@@ -84,7 +88,7 @@
     ; turned 95 deg about z, give or take 2.7 x 2.7 x 22 deg
     ; false again beyond 1.3 times that
     (door-open ?door - door ?cabinet - cabinet)
-    ; drawer at x -17.0, y 0.0, z 0.0 cm in the drawer-unit's frame, give or take 1.1 x 1.0 x 1.0 cm
+    ; drawer at x -17.0, y 0.0, z 0.0 cm in the drawer-unit's frame, give or take 1.0 x 1.0 x 1.0 cm
     ; not turned, give or take 2.5 x 2.5 x 2.5 deg
     ; false again beyond 1.3 times that
     (drawer-closed ?drawer - drawer ?drawer-unit - drawer-unit)
@@ -96,16 +100,24 @@
     ; turned 1 deg about -z, give or take 3.9 x 3.9 x 31 deg
     ; false again beyond 1.3 times that
     (food-in-cabinet ?food - food ?cabinet - cabinet)
-    ; food at x -8.0, y -26.4, z 4.3 cm in the counter's frame, give or take 18 x 62 x 1.2 cm
+    ; food at x -0.8, y 0.2, z 1.0 cm in the cookware's frame, give or take 5.3 x 4.0 x 1.1 cm
+    ; turned 3 deg about -z, give or take 6.8 x 6.8 x 26 deg
+    ; false again beyond 1.3 times that
+    (food-in-cookware ?food - food ?cookware - cookware)
+    ; food at x 0.2, y 0.1, z 2.0 cm in the container's frame, give or take 3.2 x 3.4 x 1.1 cm
+    ; turned 3 deg about -z, give or take 6.8 x 6.8 x 23 deg
+    ; false again beyond 1.3 times that
+    (food-on-container ?food - food ?container - container)
+    ; food at x -9.9, y -28.4, z 4.2 cm in the counter's frame, give or take 18 x 59 x 1.2 cm
     ; turned 8 deg about -z, give or take 2.9 x 2.9 x 24 deg
     ; false again beyond 1.3 times that
     (food-on-counter ?food - food ?counter - counter)
-    ; knob at x -11.0, y 0.0, z 2.4 cm in the stove's frame, give or take 1.2 x 1.2 x 1.2 cm
+    ; knob at x -13.0, y 0.0, z 2.7 cm in the stove's frame, give or take 1.2 x 1.2 x 1.2 cm
     ; turned 92 deg about z, give or take 2.9 x 2.9 x 18 deg
     ; false again beyond 1.3 times that
     (knob-turned ?knob - knob ?stove - stove)
-    ; knob at x -11.0, y 0.0, z 2.4 cm in the stove's frame, give or take 1.0 x 1.0 x 1.0 cm
-    ; not turned, give or take 3.2 x 3.2 x 4.2 deg
+    ; knob at x -13.0, y 0.0, z 2.7 cm in the stove's frame, give or take 1.0 x 1.0 x 1.0 cm
+    ; not turned, give or take 3.3 x 3.3 x 4.3 deg
     ; false again beyond 1.3 times that
     (knob-unturned ?knob - knob ?stove - stove)
     ; lever at x 3.7, y 20.8, z 7.8 cm in the sink's frame, give or take 2.0 x 1.3 x 1.2 cm
@@ -380,6 +392,48 @@
       (not (gripper-open))
       (increase (total-cost) 680)))
 
+  ; pick, learned from 10 episodes in 10 demonstrations; took 5.8 s on average, 7.5 s at most
+  ; skill pick-food-from-cookware
+  ; maintains (food-in-cookware ?food ?cookware)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:action pick-food-from-cookware
+    :parameters (?food - food ?cookware - cookware)
+    :precondition (and
+      (food-in-cookware ?food ?cookware)
+      (gripper-open))
+    :effect (and
+      (gripper-holds-food ?food)
+      (not (food-in-cookware ?food ?cookware))
+      (not (gripper-open))
+      (increase (total-cost) 580)))
+
+  ; pick, learned from 10 episodes in 10 demonstrations; took 5.7 s on average, 6.9 s at most
+  ; skill pick-food-from-container
+  ; maintains (food-on-container ?food ?container)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  (:action pick-food-from-container
+    :parameters (?food - food ?container - container)
+    :precondition (and
+      (food-on-container ?food ?container)
+      (gripper-open))
+    :effect (and
+      (gripper-holds-food ?food)
+      (not (food-on-container ?food ?container))
+      (not (gripper-open))
+      (increase (total-cost) 570)))
+
   ; pick, learned from 10 episodes in 10 demonstrations; took 5.7 s on average, 7.2 s at most
   ; skill pick-food-from-counter
   ; maintains (food-on-counter ?food ?counter)
@@ -421,6 +475,50 @@
       (not (gripper-holds-food ?food))
       (increase (total-cost) 750)))
 
+  ; place, learned from 10 episodes in 10 demonstrations; took 6.0 s on average, 7.7 s at most
+  ; skill place-food-in-cookware
+  ; maintains (gripper-holds-food ?food)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; added precondition: no food with (food-in-cookware ?other ?cookware), as in all its demonstrations
+  (:action place-food-in-cookware
+    :parameters (?food - food ?cookware - cookware)
+    :precondition (and
+      (gripper-holds-food ?food)
+      (forall (?other - food) (not (food-in-cookware ?other ?cookware))))
+    :effect (and
+      (food-in-cookware ?food ?cookware)
+      (gripper-open)
+      (not (gripper-holds-food ?food))
+      (increase (total-cost) 600)))
+
+  ; place, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 8.0 s at most
+  ; skill place-food-on-container
+  ; maintains (gripper-holds-food ?food)
+  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
+  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
+  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; added precondition: no food with (food-on-container ?other ?container), as in all its demonstrations
+  (:action place-food-on-container
+    :parameters (?food - food ?container - container)
+    :precondition (and
+      (gripper-holds-food ?food)
+      (forall (?other - food) (not (food-on-container ?other ?container))))
+    :effect (and
+      (food-on-container ?food ?container)
+      (gripper-open)
+      (not (gripper-holds-food ?food))
+      (increase (total-cost) 620)))
+
   ; place, learned from 10 episodes in 10 demonstrations; took 7.6 s on average, 9.9 s at most
   ; skill place-food-on-counter
   ; maintains (gripper-holds-food ?food)
@@ -441,7 +539,7 @@
       (not (gripper-holds-food ?food))
       (increase (total-cost) 760)))
 
-  ; reach, learned from 10 episodes in 10 demonstrations; took 5.3 s on average, 7.7 s at most
+  ; reach, learned from 10 episodes in 10 demonstrations; took 5.4 s on average, 7.7 s at most
   ; skill reach-knob-unturned
   ; maintains (knob-unturned ?knob ?stove)
   ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink)
@@ -460,9 +558,9 @@
       (gripper-holds-knob-to-turn ?knob)
       (not (gripper-open))
       (not (knob-unturned ?knob ?stove))
-      (increase (total-cost) 530)))
+      (increase (total-cost) 540)))
 
-  ; reach, learned from 10 episodes in 10 demonstrations; took 5.7 s on average, 8.1 s at most
+  ; reach, learned from 10 episodes in 10 demonstrations; took 5.8 s on average, 8.1 s at most
   ; skill reach-knob-turned
   ; maintains (knob-turned ?knob ?stove)
   ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink)
@@ -481,12 +579,13 @@
       (gripper-holds-knob-to-turn-back ?knob)
       (not (gripper-open))
       (not (knob-turned ?knob ?stove))
-      (increase (total-cost) 570)))
+      (increase (total-cost) 580)))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.7 s on average, 4.2 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.7 s on average, 4.3 s at most
   ; skill turn-knob
   ; maintains (gripper-holds-knob-to-turn ?knob)
   ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-knob-to-turn-back ?knob) (lever-unturned ?lever ?sink)
+  ; dropped effect: deletes (gripper-holds-knob-to-turn-back ?knob): one contact at a time
   ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
   ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
@@ -503,7 +602,7 @@
       (not (gripper-holds-knob-to-turn ?knob))
       (increase (total-cost) 370)))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.2 s on average, 3.9 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.3 s on average, 4.0 s at most
   ; skill turn-knob-back
   ; maintains (gripper-holds-knob-to-turn-back ?knob)
   ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-knob-to-turn ?knob) (lever-unturned ?lever ?sink)
@@ -522,7 +621,7 @@
       (gripper-open)
       (knob-unturned ?knob ?stove)
       (not (gripper-holds-knob-to-turn-back ?knob))
-      (increase (total-cost) 320)))
+      (increase (total-cost) 330)))
 
   ; reach, learned from 10 episodes in 10 demonstrations; took 6.4 s on average, 9.4 s at most
   ; skill reach-lever-unturned

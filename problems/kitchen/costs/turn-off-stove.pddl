@@ -1,5 +1,4 @@
 ; task TurnOffStove, seed 0
-; assumed (knob-turned knob stove): knob is in no known relation, this is the nearest (margin -0.74)
 (define (problem turnoffstove-0)
   (:domain kitchen)
   (:objects
@@ -15,6 +14,8 @@
     cheese - food
     bread - food
     can - food
+    pan - cookware
+    plate - container
   )
   (:init
     (= (total-cost) 0)

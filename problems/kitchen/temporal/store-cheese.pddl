@@ -1,5 +1,4 @@
 ; task StoreCheese, seed 0
-; assumed (knob-unturned knob stove): knob is in no known relation, this is the nearest (margin -0.94)
 (define (problem storecheese-0)
   (:domain kitchen)
   (:objects
@@ -15,6 +14,8 @@
     cheese - food
     bread - food
     can - food
+    pan - cookware
+    plate - container
   )
   (:init
     (arm-free)

@@ -1,0 +1,33 @@
+; task PnPCounterToStove, seed 0
+(define (problem pnpcountertostove-0)
+  (:domain kitchen)
+  (:objects
+    cabinet-1 - cabinet
+    drawer-unit-1 - drawer-unit
+    stove-1 - stove
+    sink-1 - sink
+    door-1 - door
+    drawer-1 - drawer
+    knob-1 - knob
+    lever-1 - lever
+    counter-1 - counter
+    cheese - food
+    bread - food
+    can - food
+    pan - cookware
+    plate - container
+  )
+  (:init
+    (door-closed door-1 cabinet-1)
+    (drawer-closed drawer-1 drawer-unit-1)
+    (food-on-container can plate)
+    (food-on-counter bread counter-1)
+    (food-on-counter cheese counter-1)
+    (gripper-open)
+    (knob-unturned knob-1 stove-1)
+    (lever-unturned lever-1 sink-1)
+    (none-food-in-cookware pan)
+  )
+  (:goal (and
+    (food-in-cookware can pan)))
+)
