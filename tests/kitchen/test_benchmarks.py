@@ -4,7 +4,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from symskill_pddl.kitchen import make
 
 pytestmark = pytest.mark.simulation
 FOLDER = Path(__file__).parents[2] / "benchmarks"
@@ -33,3 +36,15 @@ def test_speed_is_told_as_ratios(tmp_path):
     text = page.read_text()
     assert "| kitchen's loop to bare steps | 0." in text
     assert "torque law" in text
+
+
+def test_what_got_through_a_surface_is_found(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    from stability import Solids
+
+    solids = Solids(make("OpenDrawer", 0).physics)
+    points = np.array(
+        [[0.5, 0.0, 0.1], [0.5, 0.0, -0.02], [0.5, 0.0, -0.5], [0.93, 0.0, 0.5], [5.0, 0.0, 0.0], [-1.0, 0.0, -0.9]]
+    )
+    found = [(1, "inside counter_top"), (2, "inside base_cabinet"), (3, "inside wall"), (4, "out of the room")]
+    assert list(solids.around(points)) == found
