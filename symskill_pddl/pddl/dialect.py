@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import combinations, permutations, product
 
 from symskill_pddl.errors import InputError, alternatives
@@ -106,8 +107,9 @@ class Exported:
         )
 
 
+@lru_cache(maxsize=16)
 def exported(domain: Domain, dialect: str) -> Exported:
-    """The domain as a dialect can say it.
+    """The domain as a dialect can say it. The last few are kept: every problem of a domain asks for it.
 
     Raises
     ------

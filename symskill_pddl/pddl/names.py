@@ -11,6 +11,7 @@ import re
 import unicodedata
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Literal, Self
 
@@ -84,6 +85,8 @@ RESERVED = frozenset(
     }
 )
 _NAME = re.compile(r"[a-z][a-z0-9_-]*")
+_LEGAL = re.compile(r"[a-z][a-z0-9]*(?:[-_][a-z0-9]+)*")
+"""What `legal` leaves as it is, keywords apart."""
 _KINDS = ("types", "predicates", "operators", "objects")
 
 
@@ -97,6 +100,7 @@ def check_name(name: str, what: str) -> None:
         raise InputError(f"{what} '{name}' is a word of PDDL itself; take another, like '{legal(name)}'")
 
 
+@lru_cache(maxsize=16)
 def check_domain_names(domain: Domain) -> None:
     """Raise `InputError` at a name that some PDDL parser would refuse, or that stands for two things."""
     _check_unique(_declared(domain))
@@ -133,6 +137,8 @@ def _check_unique(declared: Iterable[tuple[str, str]]) -> None:
 
 def legal(identifier: str) -> str:
     """The nearest PDDL name: ``Bottle Crate 2`` becomes ``bottle-crate-2``, ``3d`` becomes ``x3d``, ``object`` ``object-1``."""
+    if _LEGAL.fullmatch(identifier) and identifier not in RESERVED:
+        return identifier
     plain = unicodedata.normalize("NFKD", identifier).encode("ascii", "ignore").decode().lower()
     name = re.sub(r"[^a-z0-9_]+", "-", plain).strip("-_")
     if not name or not name[0].isalpha():
@@ -223,8 +229,16 @@ class Names(BaseModel):
         inner = {self.operators.get(op, op): {v: k for k, v in names.items()} for op, names in self.parameters.items()}
         return Names.model_construct(None, parameters=inner, **flipped)
 
+    @cached_property
+    def same(self) -> bool:
+        """Whether nothing has another name."""
+        maps = (*(getattr(self, kind) for kind in _KINDS), *self.parameters.values())
+        return all(key == value for mapping in maps for key, value in mapping.items())
+
     def domain(self, domain: Domain) -> Domain:
         """The domain under the exported names."""
+        if self.same:
+            return domain
         return Domain(
             domain.name,
             tuple(Type(self._type(t.name), self._type(t.parent)) for t in domain.types),
@@ -236,6 +250,8 @@ class Names(BaseModel):
 
     def problem(self, problem: Problem) -> Problem:
         """The problem under the exported names."""
+        if self.same:
+            return problem
         return replace(
             problem,
             objects=tuple((self.objects.get(name, name), self._type(kind)) for name, kind in problem.objects),
@@ -252,6 +268,8 @@ class Names(BaseModel):
 
     def plan(self, plan: Plan) -> Plan:
         """The plan under the exported names."""
+        if self.same:
+            return plan
         steps = tuple((self.operators.get(n, n), tuple(self.objects.get(a, a) for a in args)) for n, args in plan.steps)
         return replace(plan, steps=steps)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from importlib import import_module
@@ -144,17 +144,25 @@ def without_detours(steps: tuple[GroundOperator, ...], init: State, goal: State,
     Each step in turn is left out, together with every later step that is then not applicable; where the rest still reaches the
     goal, it stays out.
     """
-    kept, number, state = list(steps), 0, init
+    bits: dict[Atom, int] = {}
+
+    def mask(atoms: Iterable[Atom]) -> int:
+        return sum(1 << bits.setdefault(a, len(bits)) for a in set(atoms))
+
+    sets = {id(s): (mask(s.pre), mask(s.absent), mask(s.delete), mask(s.add)) for s in steps}
+    wanted, kept, number, state = mask(goal), list(steps), 0, mask(init)
     while number < len(kept) and time.monotonic() < deadline:
         after, rest = state, []
         for step in kept[number + 1 :]:
-            if step.applicable(after):
-                after = step.apply(after)
+            pre, absent, delete, add = sets[id(step)]
+            if pre & after == pre and not absent & after:
+                after = after & ~delete | add
                 rest.append(step)
-        if goal <= after:
+        if wanted & after == wanted:
             kept[number:] = rest
         else:
-            state = kept[number].apply(state)
+            _, _, delete, add = sets[id(kept[number])]
+            state = state & ~delete | add
             number += 1
     return tuple(kept)
 

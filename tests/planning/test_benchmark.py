@@ -2,7 +2,9 @@
 
 import importlib.util
 import sys
+from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -49,3 +51,14 @@ def test_a_row(benchmark, table):
     assert row.direct_ms is None
     assert 0.0 < row.warm_ms < row.cold_ms
     assert "| builtin | 2 | 12 |  |" in benchmark.markdown([row], 1.0)
+    drawing = benchmark.drawn([row, replace(row, size=20)])
+    assert ElementTree.fromstring(drawing).tag.endswith("svg")
+    assert "12 steps" in drawing
+
+
+def test_what_the_protocol_adds(benchmark, table):
+    """Under 2 ms of processor time, twelve steps, from the symbols to a plan that was checked; twice that on a busy machine."""
+    added = benchmark.overhead(table, benchmark.table_problem(table, 20, "g12"), "12 steps", 20)
+    assert added.steps == 13
+    assert 0.0 < added.warm_ms < added.cold_ms < 4.0
+    assert "| 12 steps, 20 things | 13 |" in benchmark.markdown([], 1.0, [added])
