@@ -32,7 +32,8 @@ def labelled(
     for found in episodes:
         e = found
         if undone is not None and undone.demo is e.demo:
-            e = replace(e, begin=min(e.begin, max(undone.stop, undone.begin)))
+            left = undone.stop if undone.leave is None else min(undone.leave, e.start)
+            e = replace(e, begin=min(e.begin, max(left, undone.begin)))
         undone = None
         (start, start_ref), (end, end_ref) = at(e.before), at(e.after)
         if end is None and end_ref is not None:

@@ -276,9 +276,10 @@ def _related_any(state: State, c: Classifier) -> bool:
 
 
 def _room(c: Classifier, extents: Extents, config: OperatorConfig) -> bool:
-    """Whether two such objects fit into the region that the predicate covers."""
+    """Whether two such objects fit into the region that the predicate covers, or beside each other on what they rest at."""
     half = max(extents.get(c.child, (config.default_half_m,) * 3)[:2])
-    return float(np.sqrt(np.linalg.eigvalsh(c.cov_p)[-1])) * c.enter_p > 2.0 * half
+    covered = float(np.sqrt(np.linalg.eigvalsh(c.cov_p)[-1])) * c.enter_p
+    return covered > 2.0 * half or max(extents.get(c.parent, (0.0, 0.0, 0.0))[:2]) >= 2.0 * half
 
 
 def _mutex(groups: Sequence[OperatorGroup], relations: Relations, places: Sequence[str]) -> list[OperatorGroup]:

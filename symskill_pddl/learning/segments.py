@@ -389,12 +389,15 @@ def _retreat_end(demo: Demo, motion: Motion, leave: int, following: int, still: 
     bound = min(
         int(np.searchsorted(demo.times, demo.times[leave] + config.max_retreat_s)), max(following - 1, leave), len(demo) - 1
     )
-    for a, b in intervals(still[leave : bound + 1], still[leave : bound + 1]):
-        if b - a >= long or leave + b == len(demo):
-            return leave + a
-    if following == len(demo) or demo.times[bound] - demo.times[leave] >= config.max_retreat_s:
-        return bound
     distance = np.linalg.norm(demo.T_world_ee.p[leave : bound + 1] - demo.T_world_ee.p[motion.stop - 1], axis=-1)
+    for a, b in intervals(still[leave : bound + 1], still[leave : bound + 1]):
+        if b - a < long and leave + b < len(demo):
+            continue
+        if distance[a] < 0.5 * distance[: a + 1].max():
+            break  # it is on its way back already, to act on the same thing again
+        return leave + a
+    if following == len(demo) or demo.times[bound] - demo.times[leave] >= config.max_retreat_s:
+        return bound if distance[-1] >= 0.5 * distance.max() else leave + int(np.argmax(distance))
     return leave + int(np.argmax(distance))
 
 

@@ -6,7 +6,8 @@ import pytest
 from symskill_pddl.abstraction import Classifier
 from symskill_pddl.geometry import Pose
 from symskill_pddl.learning.lifting import lift
-from symskill_pddl.learning.operators import OperatorConfig, _negatives
+from symskill_pddl.learning.operators import OperatorConfig, _negatives, _room
+from symskill_pddl.learning.shapes import ShapeConfig, fit_shape
 from symskill_pddl.symbols import Atom, Plan, Predicate, Problem, validate
 
 from .conftest import Symbols, kitchen_demos
@@ -245,3 +246,15 @@ def test_contacts_do_not_hold_where_the_hand_sets_out(ten):
                 holds = Atom(ten.contacts[t.label.contact], (t.label.episode.obj,))
                 assert holds not in t.before
                 assert holds in t.after
+
+
+def test_there_is_room_beside_another_on_what_is_twice_as_wide():
+    place = fit_shape(yaw_poses(5), 5, ShapeConfig()).classifier(Predicate("cup-on-tray", ("cup", "tray")), "cup", "tray")
+    cup = {"cup": (0.03, 0.03, 0.03)}
+    assert not _room(place, cup, OperatorConfig())
+    assert not _room(place, cup | {"tray": (0.04, 0.05, 0.01)}, OperatorConfig())
+    assert _room(place, cup | {"tray": (0.04, 0.07, 0.01)}, OperatorConfig())
+
+
+def yaw_poses(n):
+    return Pose(np.zeros((n, 3)), np.tile([1.0, 0, 0, 0], (n, 1)))

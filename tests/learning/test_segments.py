@@ -220,3 +220,25 @@ def carried(p, hand=None):
         objects={"box": "box"},
         T_world_objects=Pose(p[:, None], q[:, None]),
     )
+
+
+def test_a_hand_that_comes_back_to_the_same_thing_retreated_as_far_as_it_went():
+    """Its first long rest is the next grasp: the retreat ended before, where the hand was farthest away."""
+    r = world()
+    r.reach(grip(r))
+    r.grasp("cheese", 0.04)
+    r.go(Pose([0.5, 0.15, 0.1], r.T.q), Pose([0.5, 0.15, 0.02], r.T.q))
+    r.release()
+    r.back_off(0.12)
+    r.go(grip(r), speed=0.3)
+    r.grasp("cheese", 0.04)
+    r.rest(1.0)
+    r.go(Pose([0.5, 0.3, 0.1], r.T.q), Pose([0.5, 0.3, 0.02], r.T.q))
+    r.release()
+    r.back_off(0.2)
+    r.rest(1.0)
+    first, second = segment(r.demo("demo_0", "s", "t"))
+    away = np.linalg.norm(first.demo.T_world_ee.p - first.demo.T_world_ee.p[first.stop], axis=-1)
+    assert away[first.end] > 0.08
+    assert second.begin == first.end
+    assert not first.demo.gripper_closed[second.begin]
