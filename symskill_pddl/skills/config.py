@@ -24,6 +24,8 @@ class FitConfig:
     """Certified rate alpha [1/s]: below the speed cap the distance in the metric P falls at least as exp(-alpha t)."""
     max_components: int = 6
     """Largest number of linear systems in a field."""
+    components: int | None = None
+    """A given number of them; None chooses it by the error of rollouts."""
     samples: int = 80
     """Samples per demonstration, evenly spaced along its path."""
     smoothing_s: float = 0.05
@@ -64,8 +66,9 @@ class FitConfig:
 
     def __post_init__(self) -> None:
         for entry in fields(self):
-            if not getattr(self, entry.name) > 0:
-                raise InputError(f"fit setting '{entry.name}' has to be positive, got {getattr(self, entry.name)!r}")
+            value = getattr(self, entry.name)
+            if value is not None and not value > 0:
+                raise InputError(f"fit setting '{entry.name}' has to be positive, got {value!r}")
         if not self.rate_hz < self.gain_hz:
             raise InputError(f"the certified rate_hz ({self.rate_hz}) has to stay below gain_hz ({self.gain_hz})")
         if self.gain_hz * self.period_s >= 1.0:

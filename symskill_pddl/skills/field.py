@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -30,18 +31,21 @@ class Field:
         Of the position and of the orientation field.
     pairing : Pairing
         Keeps the two in step.
+    arrays : tuple
+        All of it, as the compiled evaluation takes it.
     """
 
     position: PositionField
     orientation: OrientationField
     certificates: tuple[Certificate, Certificate]
     pairing: Pairing
+    arrays: tuple[Any, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         p, q, pairing = self.position, self.orientation, self.pairing
         curve = (pairing.reach, pairing.turn, pairing.difference)
         parts = (p.lpv.arrays, p.goal, self.certificates[0].P, q.lpv.arrays, q.goal, curve, WIDTHS)
-        object.__setattr__(self, "_parts", parts)
+        object.__setattr__(self, "arrays", parts)
 
     def twist(self, T_frame_ee: Pose) -> Array:
         """Twist (..., 6) at poses (...): linear [m/s], angular [rad/s], in the axes of the field's frame."""
@@ -52,7 +56,7 @@ class Field:
         from symskill_pddl.skills.kernels import twists
 
         # copies: one memory layout, compiled once
-        out: Array = twists(np.array(p).reshape(-1, 3), np.array(q).reshape(-1, 4), *self._parts)  # type: ignore[attr-defined]
+        out: Array = twists(np.array(p).reshape(-1, 3), np.array(q).reshape(-1, 4), *self.arrays)
         return out.reshape(*p.shape[:-1], 6)
 
     @cached_property

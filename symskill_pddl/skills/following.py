@@ -12,15 +12,12 @@ from symskill_pddl.skills.trajectory import Trajectory
 
 def rollout(field: Field, T_start: Pose, duration_s: float, period_s: float) -> Pose:
     """Explicit Euler motion (n, steps) of the field from starts (n,)."""
-    p, q = T_start.p, T_start.q
-    ps, qs = [p], [q]
-    for _ in range(int(np.ceil(duration_s / period_s))):
-        twist = field.twist_at(p, q)
-        p = p + period_s * twist[..., :3]
-        q = quat_multiply(quat_exp(period_s * twist[..., 3:]), q)
-        ps.append(p)
-        qs.append(q)
-    return Pose(np.stack(ps, axis=-2), np.stack(qs, axis=-2))
+    from symskill_pddl.skills.kernels import rollouts
+
+    n = T_start.shape
+    steps = int(np.ceil(duration_s / period_s))
+    p, q = rollouts(np.array(T_start.p).reshape(-1, 3), np.array(T_start.q).reshape(-1, 4), steps, period_s, field.arrays)
+    return Pose(p.reshape(*n, steps + 1, 3), q.reshape(*n, steps + 1, 4))
 
 
 def deviation(field: Field, trajectories: list[Trajectory], shown: Array, config: FitConfig) -> float:

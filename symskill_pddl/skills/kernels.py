@@ -6,7 +6,7 @@ evaluated. The compiled code is kept beside the package, or in numba's own folde
 
 from __future__ import annotations
 
-from math import atan2, exp, sqrt
+from math import atan2, cos, exp, sin, sqrt
 
 import numpy as np
 from numba import njit
@@ -114,3 +114,77 @@ def twists(p, q, position, goal_p, P, orientation, goal_q, pairing, widths):  # 
             out[i, j] *= slower
             out[i, 3 + j] *= waits
     return out
+
+
+@njit(cache=True)
+def _turned(r, q, out):  # type: ignore[no-untyped-def]
+    """out (4,) = exp(r) q for a rotation vector r (3,)."""
+    angle = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2])
+    scale = 0.5 if angle < 1e-8 else sin(0.5 * angle) / angle
+    aw, ax, ay, az = cos(0.5 * angle), scale * r[0], scale * r[1], scale * r[2]
+    bw, bx, by, bz = q[0], q[1], q[2], q[3]
+    out[0] = aw * bw - ax * bx - ay * by - az * bz
+    out[1] = aw * bx + ax * bw + ay * bz - az * by
+    out[2] = aw * by - ax * bz + ay * bw + az * bx
+    out[3] = aw * bz + ax * by - ay * bx + az * bw
+
+
+@njit(cache=True)
+def rollouts(p, q, steps, period, field):  # type: ignore[no-untyped-def]
+    """Explicit Euler motions (n, steps + 1, 3), (n, steps + 1, 4) from positions (n, 3) and quaternions (n, 4)."""
+    ps, qs = np.empty((len(p), steps + 1, 3)), np.empty((len(p), steps + 1, 4))
+    r = np.empty(3)
+    ps[:, 0], qs[:, 0] = p, q
+    position, goal_p, P, orientation, goal_q, pairing, widths = field
+    for i in range(len(p)):
+        for t in range(steps):
+            here = slice(t, t + 1)
+            twist = twists(ps[i, here], qs[i, here], position, goal_p, P, orientation, goal_q, pairing, widths)
+            for j in range(3):
+                ps[i, t + 1, j] = ps[i, t, j] + period * twist[0, j]
+                r[j] = period * twist[0, 3 + j]
+            _turned(r, qs[i, t], qs[i, t + 1])
+    return ps, qs
+
+
+@njit(cache=True)
+def ways(starts, lpv, steps, stride, near, turning):  # type: ignore[no-untyped-def]
+    """Errors (n, steps + 1, 3) along linear systems from errors (n, 3), in steps of `stride`, or `near` times what remains.
+
+    `turning`: the errors are rotation vectors, and steps compose as rotations do.
+    """
+    whitening, offset, log_scale, matrices, pace = lpv
+    out = np.empty((len(starts), steps + 1, 3))
+    v, q, moved, unturned = np.empty(3), np.empty(4), np.empty(4), np.array([1.0, 0.0, 0.0, 0.0])
+    for i in range(len(starts)):
+        out[i, 0] = starts[i]
+        for t in range(steps):
+            e = out[i, t]
+            _linear_systems(e, whitening, offset, log_scale, matrices, pace, v)
+            speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+            left = near * sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
+            scale = min(stride, left) / max(speed, 1e-300)
+            for j in range(3):
+                v[j] *= scale
+            if turning:
+                _turned(e, unturned, q)
+                _turned(v, q, moved)
+                _rotation_error(moved, unturned, out[i, t + 1])
+            else:
+                for j in range(3):
+                    out[i, t + 1, j] = e[j] + v[j]
+    return out
+
+
+@njit(cache=True)
+def moving(x, band):  # type: ignore[no-untyped-def]
+    """Indices of the samples of x (n, d) that lie at least `band` from the one before among them."""
+    kept, count = np.zeros(len(x), dtype=np.int64), 1
+    for i in range(1, len(x)):
+        square = 0.0
+        for j in range(x.shape[1]):
+            square += (x[i, j] - x[kept[count - 1], j]) ** 2
+        if square > band * band:
+            kept[count] = i
+            count += 1
+    return kept[:count]

@@ -72,7 +72,7 @@ def fit_lpv(
     *,
     least_pace: float,
     learn_metric: bool,
-    advance: Callable[[Array, Array], Array],
+    turning: bool,
     distance: Callable[[Array, Array], Array],
 ) -> tuple[Lpv, Certificate]:
     """Fit to demonstrated paths; the number of components is chosen by the error of rollouts from the demonstrated starts.
@@ -85,8 +85,8 @@ def fit_lpv(
         Smallest speed cap.
     learn_metric : bool
         Learn P, else P = I.
-    advance : callable
-        (e (..., 3), displacement (..., 3)) -> moved e.
+    turning : bool
+        The points are rotation vectors.
     distance : callable
         (a (..., n, 3), b (..., m, 3)) -> (..., n, m).
 
@@ -117,7 +117,8 @@ def fit_lpv(
     all_importance = np.concatenate([importance, np.tile(0.25 * config.funnel * importance, 4)])
     shown = np.stack([path.points for path in paths])  # (demos, samples, 3)
     best: tuple[float, Lpv, Certificate] | None = None
-    for size in range(1, config.max_components + 1):
+    sizes = range(1, config.max_components + 1) if config.components is None else (config.components,)
+    for size in sizes:
         mixture = fit_mixture(x, progress, size, config.spread)
         weights = mixture.weights(x)
         matrices = fit_matrices(
@@ -133,7 +134,7 @@ def fit_lpv(
         )
         certificate = certify(matrices, P, config.period_s)
         lpv = Lpv(_rescaled(mixture, extent), matrices, _paces(weights, speeds, config.pace, least_pace))
-        score = _deviation(rollout(lpv, shown[:, 0], shown, config, advance), shown, distance) / extent
+        score = _deviation(rollout(lpv, shown[:, 0], shown, config, turning), shown, distance) / extent
         # A further component has to earn its place.
         if best is None or score < 0.95 * best[0] - 1e-3:
             best = score, lpv, certificate
@@ -143,18 +144,14 @@ def fit_lpv(
     return best[1], best[2]
 
 
-def rollout(lpv: Lpv, starts: Array, shown: Array, config: FitConfig, advance: Callable[[Array, Array], Array]) -> Array:
+def rollout(lpv: Lpv, starts: Array, shown: Array, config: FitConfig, turning: bool) -> Array:
     """Motions (demos, steps, 3) from `starts` (demos, 3) in even steps along the way: their geometry, without timing."""
+    from symskill_pddl.skills.kernels import ways
+
     length = np.linalg.norm(np.diff(shown, axis=1), axis=-1).sum(1).max()
-    stride, e, way = length / 60, starts, [starts]
-    for _ in range(90):
-        v = lpv.velocity(e)
-        speed = np.linalg.norm(v, axis=-1, keepdims=True)
-        # even strides while far, a part of the distance when near: the speed cap does not bend the way
-        near = np.linalg.norm(e, axis=-1, keepdims=True) * config.gain_hz * config.period_s
-        e = advance(e, v * np.minimum(stride, near) / np.maximum(speed, 1e-300))
-        way.append(e)
-    return np.stack(way, axis=1)
+    # even strides while far, a part of the distance when near: the speed cap does not bend the way
+    out: Array = ways(np.array(starts), lpv.arrays, 90, length / 60, config.gain_hz * config.period_s, turning)
+    return out
 
 
 def _deviation(driven: Array, shown: Array, distance: Callable[[Array, Array], Array]) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.geometry import Array, frozen, quat_exp, quat_log, quat_multiply
+from symskill_pddl.geometry import Array, frozen, quat_exp
 from symskill_pddl.skills.config import FitConfig
 from symskill_pddl.skills.lpv import Lpv, fit_lpv
 from symskill_pddl.skills.stability import Certificate
@@ -69,13 +69,9 @@ def fit_orientation(trajectories: Sequence[Trajectory], goal: Array, config: Fit
     """
     paths = [path for t in trajectories if (path := orientation_path(t, goal, config)) is not None]
     lpv, certificate = fit_lpv(
-        paths, config, least_pace=config.min_speed_rad_s, learn_metric=False, advance=_advance, distance=_angles
+        paths, config, least_pace=config.min_speed_rad_s, learn_metric=False, turning=True, distance=_angles
     )
     return OrientationField(lpv, goal), certificate
-
-
-def _advance(e: Array, turn: Array) -> Array:
-    return quat_log(quat_multiply(quat_exp(turn), quat_exp(e)))
 
 
 def _angles(a: Array, b: Array) -> Array:

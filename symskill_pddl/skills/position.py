@@ -53,7 +53,7 @@ def fit_position(trajectories: Sequence[Trajectory], goal: Array, config: FitCon
     """
     paths = [path for t in trajectories if (path := position_path(t, goal, config)) is not None]
     lpv, certificate = fit_lpv(
-        paths, config, least_pace=config.min_speed_m_s, learn_metric=True, advance=np.add, distance=_distances
+        paths, config, least_pace=config.min_speed_m_s, learn_metric=True, turning=False, distance=_distances
     )
     return PositionField(lpv, goal), certificate
 

@@ -94,9 +94,11 @@ def fit_reported(trajectories: Sequence[Trajectory], config: FitConfig = FitConf
     parts = [whole] if whole.deviation <= 1.0 else _split(whole, config)
     stray = strays(whole.field, whole.trajectories, whole.shown, config)
     if len(parts) == 1 and stray > config.max_strays and config.max_fields > 1:
-        halves = whole.halves(config, apart=config.final_m / config.tolerance_m)
-        if halves is not None and _worst(halves) <= max(1.0, whole.deviation):
-            parts = list(halves)
+        rough = whole.halves(_rough(config), apart=config.final_m / config.tolerance_m)
+        if rough is not None:
+            halves = [_Part.fit(part.trajectories, config) for part in rough]
+            if _worst(halves) <= max(1.0, whole.deviation):
+                parts = halves
     report = FitReport(
         tuple(p.deviation for p in parts),
         tuple(float(np.mean([t.duration_s for t in p.trajectories])) for p in parts),
@@ -108,8 +110,7 @@ def fit_reported(trajectories: Sequence[Trajectory], config: FitConfig = FitConf
 
 def _split(whole: _Part, config: FitConfig) -> list[_Part]:
     """The fewest fields that follow; where none do, the fewest that follow nearly as well as the best."""
-    # the search needs no more than rough fits; what it finds is fitted anew
-    rough = replace(config, max_components=min(3, config.max_components), samples=min(40, config.samples))
+    rough = _rough(config)
     sequences = [[whole]]
     while len(sequences) < config.max_fields:
         parts = sequences[-1]
@@ -121,6 +122,11 @@ def _split(whole: _Part, config: FitConfig) -> list[_Part]:
     enough = max(1.0, 1.4 * min(_worst(parts) for parts in sequences))
     found = next(parts for parts in sequences if _worst(parts) <= enough)
     return [part if part is whole else _Part.fit(part.trajectories, config) for part in found]
+
+
+def _rough(config: FitConfig) -> FitConfig:
+    """The search for a place to cut needs no more than rough fits; what it finds is fitted anew."""
+    return replace(config, max_components=min(3, config.max_components), samples=min(40, config.samples))
 
 
 @dataclass(frozen=True, eq=False)

@@ -183,19 +183,14 @@ def _cumulative(steps: Array) -> Array:
 
 def _moving(x: Array, fraction: float, least: float) -> list[int] | None:
     """Indices of the samples of x (n, d) that lie apart by a dead band: jitter while standing still adds no way."""
-    n = len(x)
+    from symskill_pddl.skills.kernels import moving
+
     extent = float(np.linalg.norm(x - x[-1], axis=-1).max())
     if extent < least:
         return None
-    band, kept, start, width = (fraction * extent) ** 2, [0], 1, 16
-    while start < n:
-        later = ((x[start : start + width] - x[kept[-1]]) ** 2).sum(-1) > band
-        if later.any():
-            kept.append(start + int(np.argmax(later)))
-            start = kept[-1] + 1
-        else:
-            start += width
-    if kept[-1] != n - 1:
+    kept: list[int] = moving(np.array(x), fraction * extent).tolist()
+    last = len(x) - 1
+    if kept[-1] != last:
         # what follows the last kept sample is within the band: the end replaces it, unless it is the start
-        kept[-1:] = [n - 1] if len(kept) > 1 else [0, n - 1]
+        kept[-1:] = [last] if len(kept) > 1 else [0, last]
     return kept
