@@ -1,5 +1,7 @@
 """The judges, on states set by hand, and what is drawn."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.random import default_rng
@@ -273,3 +275,13 @@ def test_a_long_goal_needs_all_of_it(task, foods, parts, spoilt):
     assert kitchen.succeeded()
     move(kitchen, *spoilt)
     assert not kitchen.succeeded()
+
+
+def test_every_task_stands_in_the_document_with_a_picture():
+    docs = Path(__file__).parents[2] / "docs"
+    text = (docs / "kitchen.md").read_text()
+    for name in TASKS:
+        assert f"| {name} |" in text
+        if TASKS[name].kind != "play":
+            assert f"(kitchen/{name}.jpg)" in text
+            assert (docs / "kitchen" / f"{name}.jpg").stat().st_size > 2000
