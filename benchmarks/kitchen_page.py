@@ -60,15 +60,17 @@ HEAD = (
 def _section(figure: Figure, here: Sequence[Measured]) -> list[str]:
     lines = list(HEAD) if here else []
     for m in here:
-        rows = [_row(t, t.task, m.entry.what) for t in m.results.tasks]
-        lines += rows if len(rows) == 1 or not m.entry.spread else []
+        what = _named(m.entry.what, *(f"no {name}" for name in m.entry.off))
+        rows = [_row(t, t.task, what) for t in m.results.tasks]
+        lines += [] if m.entry.spread and len(rows) > 1 else rows
         if len(rows) > 1:
-            lines.append(_row(_together(m.results.tasks), "**all**", m.entry.what))
+            lines.append(_row(_together(m.results.tasks), "**all**", what))
         for mechanism, other in m.without.items():
-            lines.append(_row(_together(other.tasks), "**all**", _named(m.entry.what, f"no {mechanism}")))
+            lines.append(_row(_together(other.tasks), "**all**", _named(what, f"no {mechanism}")))
     differences = [(m, mechanism, other) for m in here for mechanism, other in m.without.items()]
     if differences:
-        lines += ["", "| what | with, without | difference | interval | p |", "|---|---|---|---|---|"]
+        head = "| what | successes with, without | difference | interval | p | new plans | obstacle touched [s] |"
+        lines += ["", head, "|" + "---|" * 7]
     for m, mechanism, other in differences:
         d = compare(m.results, other)[-1]
         rates = f"{d.both + d.only_first}, {d.both + d.only_second} of {d.trials}"
@@ -106,6 +108,7 @@ class Total:
     troubles: Mapping[str, int]
     mean_replans: float
     mean_recoveries: float
+    touched_s: float
     median_time_s: float | None = None
 
 
@@ -115,9 +118,11 @@ def _together(tasks: Sequence[TaskResult]) -> Total:
     for t in tasks:
         failures.update(t.failures)
         troubles.update(t.troubles)
-    replans, recoveries = (sum(getattr(t, name) * t.trials for t in tasks) / n for name in ("mean_replans", "mean_recoveries"))
+    means = [
+        sum(getattr(t, name) * t.trials for t in tasks) / n for name in ("mean_replans", "mean_recoveries", "mean_touched_s")
+    ]
     times = tasks[0].median_time_s if len(tasks) == 1 else None
-    return Total(n, good, wilson(good, n), failures, troubles, replans, recoveries, times)
+    return Total(n, good, wilson(good, n), failures, troubles, *means, times)
 
 
 def _row(t: TaskResult | Total, name: str, what: str) -> str:

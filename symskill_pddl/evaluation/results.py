@@ -33,6 +33,8 @@ class EpisodeResult(_Part):
     """What went wrong in its steps, recovered from or not: how often, per cause."""
     disturbances: int = 0
     """How many took place."""
+    touched_s: float = 0.0
+    """How long the robot touched an obstacle that was put in its way [s]."""
     reason: str
     replans: int
     recoveries: int
@@ -53,6 +55,7 @@ class TaskResult(_Part):
     troubles: dict[str, int]
     """What went wrong in the steps of all episodes, recovered from or not: how often, per cause."""
     disturbances: int
+    mean_touched_s: float
     median_time_s: float | None
     """Of the successful episodes."""
     max_time_s: float | None
@@ -106,6 +109,7 @@ def summarise(task: str, episodes: Iterable[EpisodeResult]) -> TaskResult:
         failures=count(e.cause for e in ordered if not e.success),
         troubles=count(cause for e in ordered for cause, n in e.troubles.items() for _ in range(n)),
         disturbances=sum(e.disturbances for e in ordered),
+        mean_touched_s=round(sum(e.touched_s for e in ordered) / len(ordered), 3),
         median_time_s=median(good),
         max_time_s=max(good, default=None),
         mean_replans=round(sum(e.replans for e in ordered) / len(ordered), 3),

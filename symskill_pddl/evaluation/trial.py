@@ -18,10 +18,12 @@ from symskill_pddl.execution.outcome import Category, Cause, Outcome
 from symskill_pddl.execution.recovery import Assumption, nearest_symbols
 from symskill_pddl.execution.trace import Header, NoteLine, TraceWriter
 from symskill_pddl.kitchen import make, task_named
+from symskill_pddl.kitchen.layout import OBSTACLE
 from symskill_pddl.kitchen.world import Kitchen
 from symskill_pddl.library import Library
 from symskill_pddl.pddl import Names, read_atoms
 from symskill_pddl.planning import Planner
+from symskill_pddl.scene import Scene
 from symskill_pddl.symbols import Domain, Problem, State
 
 JUDGE = "judge disagrees"
@@ -140,7 +142,11 @@ def run_episode(
 ) -> tuple[EpisodeResult, Outcome]:
     """Execute an episode. It is a success if its judge says so, or, where the goal was stated, if the goal atoms hold."""
     kitchen, problem = episode.kitchen, episode.problem
-    told = 0
+    told = touched = 0
+
+    def look(scene: Scene) -> None:
+        nonlocal touched
+        touched += OBSTACLE in scene.objects and kitchen.physics.robot_touches(OBSTACLE)
 
     def heard(line: Any) -> None:
         nonlocal told
@@ -154,6 +160,7 @@ def run_episode(
             if on_event is not None:
                 on_event(note)
 
+    kitchen.watchers.append(look)
     outcome = execute(
         kitchen,
         library,
@@ -175,6 +182,7 @@ def run_episode(
         on_step=lambda index, _step: kitchen.notify_step(index),
         monitor=monitor,
     )
+    kitchen.watchers.remove(look)
     success = kitchen.succeeded() if episode.judged else outcome.success
     category, cause, reason = str(outcome.category), str(outcome.cause or ""), outcome.reason
     if outcome.success and not success:
@@ -189,6 +197,7 @@ def run_episode(
             cause=cause,
             troubles=count(outcome.troubles),
             disturbances=len(kitchen.events),
+            touched_s=round(touched * kitchen.period_s, 3),
             reason=reason,
             replans=outcome.replans,
             recoveries=len(outcome.recoveries),
