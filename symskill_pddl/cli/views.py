@@ -99,6 +99,7 @@ def operator_json(learned: LearnedOperator) -> dict[str, Any]:
         "demonstrations": [e.demo for e in learned.evidence],
         "duration_s": {"mean": round(learned.duration_s[0], 3), "max": round(learned.duration_s[1], 3)},
         "notes": list(learned.notes),
+        "experience": {"tries": learned.experience.tries, "successes": learned.experience.successes},
     }
 
 

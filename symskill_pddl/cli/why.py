@@ -8,7 +8,15 @@ from typing import Any
 
 from symskill_pddl.abstraction import Classifier
 from symskill_pddl.cli.views import operator_json
-from symskill_pddl.describe import absent_text, atoms_text, geometry_lines, gripper_text, skill_lines, support_text
+from symskill_pddl.describe import (
+    absent_text,
+    atoms_text,
+    experience_lines,
+    geometry_lines,
+    gripper_text,
+    skill_lines,
+    support_text,
+)
 from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.library import Evidence, LearnedOperator, Library
 from symskill_pddl.scene import GRIPPER
@@ -54,6 +62,7 @@ def _operator(library: Library, learned: LearnedOperator) -> Iterator[str]:
     op = learned.operator
     yield f"{op.name} ({' '.join(f'{p.name} - {p.type}' for p in op.parameters)}), an operator"
     yield f"  {support_text(learned)}"
+    yield from (f"  {line}" for line in experience_lines(learned))
     yield "seen in"
     yield from (f"  {_evidence(e)}" for e in learned.evidence)
     yield "needs"

@@ -15,6 +15,7 @@ from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.pddl.dialect import Exported, exported
 from symskill_pddl.pddl.export import number
 from symskill_pddl.pddl.names import Names
+from symskill_pddl.pddl.renamed import renamed
 from symskill_pddl.symbols import Absent, Atom, Domain, Operator, Parameter, Plan
 
 
@@ -106,10 +107,11 @@ def compare(learned: Domain, edited: Domain, *, dialect: str = "strips", names: 
         The learned domain does not fit the dialect.
     """
     names = names or Names.of(learned)
+    names, words = renamed(exported(names.domain(learned), dialect).domain, edited, names)
     form = exported(names.domain(learned), dialect)
     reference = form.domain
     identifiers = {exported_name: identifier for identifier, exported_name in names.operators.items()}
-    findings: list[Finding] = []
+    findings = [Finding(Severity.NOTE, f"{kind} '{new}'", f"was '{old}', known by its uses") for kind, old, new in words]
     findings += _vocabulary("type", {t.name: t.parent for t in reference.types}, {t.name: t.parent for t in edited.types})
     findings += _vocabulary(
         "predicate",

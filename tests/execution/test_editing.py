@@ -259,16 +259,35 @@ def test_8_another_goal_and_another_start(desk):
     assert unlike(posed.init, seen) == ("the problem says, and it is not seen: (food-in-cabinet cheese cabinet)",)
 
 
-def test_9_rename_for_good(desk):
-    """A name in names.json binds whatever else the action's effects look like; a predicate and a type go the same way."""
-    mine = desk()
-    for before, after in (("gripper-holds-food", "holding"), ("food", "snack"), ("pick-from-counter", "grab")):
-        mine.edit((f'"{before}": "{before}"', f'"{before}": "{after}"'), file="names.json")
+def rename_everywhere(mine, words):
+    """As an editor's search and replace would."""
+    for before, after in words:
         for file in (mine.domain, mine.problem):
             text = file.read_text().replace(f"({before} ", f"({after} ").replace(f"- {before}", f"- {after}")
-            file.write_text(
-                text.replace(f"    {before} - object", f"    {after} - object").replace(f"n {before}\n", f"n {after}\n")
+            text = text.replace(f"    {before} - object", f"    {after} - object").replace(
+                f"(:action {before}\n", f"(:action {after}\n"
             )
+            file.write_text(text)
+
+
+def test_9_rename_predicates_and_types(desk):
+    mine = desk()
+    rename_everywhere(mine, (("gripper-holds-food", "holding"), ("food", "snack")))
+    status, said = mine.check()
+    assert status == 0, said
+    assert "note: type 'snack': was 'food', known by its uses" in said
+    assert "note: predicate 'holding': was 'gripper-holds-food', known by its uses" in said
+    assert mine.plan() == WHOLE
+    assert names(mine.run()) == WHOLE
+
+
+def test_9_rename_for_good(desk):
+    """A name in names.json binds whatever else the action, the predicate or the type looks like."""
+    mine = desk()
+    words = (("gripper-holds-food", "holding"), ("food", "snack"), ("pick-from-counter", "grab"))
+    for before, after in words:
+        mine.edit((f'"{before}": "{before}"', f'"{before}": "{after}"'), file="names.json")
+    rename_everywhere(mine, words)
     status, said = mine.check()
     assert status == 0, said
     assert "as learned" in said

@@ -170,3 +170,36 @@ def test_a_type_that_no_demonstration_shows_is_an_error():
     strange = replace(domain.operators[0], parameters=tuple(replace(p, type="food") for p in domain.operators[0].parameters))
     comparison = compare(kitchen(), replace(domain, operators=(strange, *domain.operators[1:])), dialect="costs")
     assert "error: action 'pick-lid': the parameter ?lid was a lid, is a food, which no demonstration shows" in lines(comparison)
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_renamed_predicates_and_types_are_known_by_their_uses(dialect):
+    text = write_domain(kitchen(), dialect=dialect)
+    for before, after in (("gripper-holds-lid", "has-lid"), ("food-in-pan", "inside")):
+        text = re.sub(rf"\({before} ", f"({after} ", text)
+    text = re.sub(r"(?m)( - |^    )food(?=[ )]|$)", r"\1snack", text)
+    comparison = compare(kitchen(), read_domain(text), dialect=dialect)
+    assert lines(comparison) == [
+        "note: type 'snack': was 'food', known by its uses",
+        "note: predicate 'inside': was 'food-in-pan', known by its uses",
+        "note: predicate 'has-lid': was 'gripper-holds-lid', known by its uses",
+    ]
+    assert len(comparison.bindings) == 4
+    assert comparison.names.predicates["food-in-pan"] == "inside"
+
+
+def test_what_two_could_be_is_taken_for_neither():
+    """Two types that stand in the same places nowhere: no guess is made, and the errors say what is the matter."""
+    domain = read_domain(TEXT)
+    swap = {"gripper-holds-lid": "a", "gripper-holds-food": "b"}
+
+    def moved(atoms):
+        return frozenset(replace(x, predicate=swap.get(x.predicate, x.predicate)) for x in atoms)
+
+    operators = tuple(
+        replace(o, name=f"my-{o.name}", pre=moved(o.pre), add=moved(o.add), delete=moved(o.delete)) for o in domain.operators
+    )
+    predicates = tuple(replace(p, name=swap.get(p.name, p.name)) for p in domain.predicates)
+    comparison = compare(kitchen(), replace(domain, predicates=predicates, operators=operators), dialect="costs")
+    assert not comparison.runs
+    assert not any("known by its uses" in line for line in lines(comparison))

@@ -7,6 +7,7 @@ import importlib.util
 import io
 import shutil
 import subprocess
+import warnings
 from functools import cache
 from pathlib import Path
 
@@ -80,9 +81,13 @@ def test_every_reader(tmp_path, reader, of):
     module, read, _ = READERS[reader]
     if not installed(module):
         pytest.skip(f"the reader '{reader}' is not installed")
-    with contextlib.redirect_stdout(io.StringIO()):
+    with warnings.catch_warnings(record=True) as caught, contextlib.redirect_stdout(io.StringIO()):
+        warnings.simplefilter("always")
         # a copy: some readers write beside what they read
         read(*(Path(shutil.copy(path, tmp_path / name)) for path, name in ((domain, "d.pddl"), (problems[0], "p.pddl"))))
+    # of deprecations inside a reader, and of what it imports, our text is innocent
+    said = [str(w.message) for w in caught if not issubclass(w.category, DeprecationWarning)]
+    assert not [text for text in said if "pkg_resources" not in text]
 
 
 @pytest.mark.parametrize(("name", "domain", "dialect", "problems"), STORED, ids=[s[0] for s in STORED])
