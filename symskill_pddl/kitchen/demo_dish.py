@@ -15,12 +15,14 @@ from symskill_pddl.kitchen.loose import Vessel
 from symskill_pddl.scene import Scene
 
 PITCH_DEG = (76.0, 80.0)
-CLEAR = (0.12, 0.15)
+CLEAR = (0.14, 0.17)
 """How far above a thing the hand comes from and leaves to: it may pass over a lid's knob on its way [m]."""
 SPREAD = (0.030, 0.012)
 """Where things are put in a dish at most: half widths about its middle, along and across [m]."""
 APART_M, RIM_M = 0.062, 0.002
 """Distance between the middles of two things in one dish, and from a thing's corner to the wall, at least [m]."""
+UNDER_LID_M = 0.072
+"""In the pan, things stay within this of the middle: a lid's skirt comes down around them [m]."""
 TURN_DEG = (-12.0, 6.0)
 """How a thing is turned when it is put down, in the world."""
 PUT_DOWN_CHANCE = 0.06
@@ -61,7 +63,8 @@ def fits(scene: Scene, dish: str, thing: str) -> bool:
 def _farthest(dish: str, thing: str, y: float) -> float:
     """How far from the middle of a dish, along, a thing fits in that lies `y` across [m]."""
     half_x, half_y, _ = PLAY.loose[thing].half
-    return float(np.sqrt((dish_shape(dish).radius - RIM_M) ** 2 - (half_y + abs(y)) ** 2) - half_x)
+    radius = min(dish_shape(dish).radius - RIM_M, UNDER_LID_M)
+    return float(np.sqrt(radius**2 - (half_y + abs(y)) ** 2) - half_x)
 
 
 def _spot(hand: Hand, thing: str, dish: str) -> tuple[float, float]:
