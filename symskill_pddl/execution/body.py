@@ -16,6 +16,7 @@ from symskill_pddl.abstraction import Debounced, abstract
 from symskill_pddl.execution.config import MotionConfig
 from symskill_pddl.execution.recovery import backed_off, near, servo, way_back
 from symskill_pddl.execution.runner import Fingers
+from symskill_pddl.execution.steady import Steady
 from symskill_pddl.geometry import Array, Pose, quat_multiply, rotation_distance
 from symskill_pddl.library import Library
 from symskill_pddl.scene import Command, Live, Scene, Timed, World
@@ -45,6 +46,7 @@ class Body:
         self._world, self._library, self._objects, self._config = world, library, frozenset(objects), config
         self._turns: dict[str, Array] = {}
         self.scene = world.observe()
+        self._steady = Steady(self.scene)
         self.start_s = self.scene.time
         self._sense = Debounced(self._read(self.scene, frozenset()), debounce)
         self.path: list[Pose] = [self.scene.T_world_ee]
@@ -77,7 +79,7 @@ class Body:
     def step(self, command: Command) -> None:
         """One control period: act, look, abstract. `ms` holds how long the parts took."""
         begin = perf_counter()
-        self.scene = self._turned(self._world.step(command))
+        self.scene = self._turned(self._steady(self._world.step(command)))
         seen = perf_counter()
         self._sense = self._sense.update(self._read(self.scene, self._sense.state))
         own = dict(self._timed.ms) if self._timed is not None else {}
