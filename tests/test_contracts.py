@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "symskill_pddl"
-HEAVY = ("numpy", "scipy", "sklearn", "clarabel", "h5py", "numba", "mujoco", "robosuite", "unified_planning")
+HEAVY = ("numpy", "scipy", "sklearn", "cvxpy", "h5py", "numba", "mujoco", "robosuite", "unified_planning")
 SIMULATORS = ("mujoco", "robosuite")
 
 

@@ -1,17 +1,17 @@
-"""The two convex problems behind a stable field: the metric P, then the matrices A_k that are stable in it.
+"""The two convex problems behind a stable field, in CVXPY: the metric P, then the matrices A_k that are stable in it.
 
-They are stated in the solver's own terms, minimise x^T Q x / 2 + c^T x over b - A x in cones: a modelling language takes several
-times as long to translate a problem of this size as the solver takes. Only fitting needs the solver, so this module is imported
-where a field is fitted, not before. Every solve starts cold and runs in one thread: its result depends on its data alone.
+CVXPY takes a second to import and only fitting needs it, so this module is imported where a field is fitted, not before. The
+problems are stated once per size; their data are parameters (in CVXPY's terms the problems are DPP), so that a solve only fills
+in numbers. Every solve starts cold and runs in one thread: its result depends on its data alone, not on earlier solves.
 """
 
 from __future__ import annotations
 
-from typing import Any
+import warnings
+from functools import lru_cache
 
-import clarabel
+import cvxpy as cp
 import numpy as np
-from scipy import sparse
 
 from symskill_pddl.errors import CertificateError
 from symskill_pddl.geometry import Array
@@ -21,8 +21,6 @@ _MARGIN = 0.05
 """The means are to approach the goal by at least this (velocity and position are unit vectors)."""
 _PULL = 0.02
 """Weight of the identity in the metric: it makes the answer unique."""
-_UPPER = tuple((i, j) for j in range(6) for i in range(j + 1))
-"""Entries of a symmetric matrix in the solver's order; those off the diagonal are multiplied by the square root of 2."""
 
 
 def fit_metric(x: Array, v: Array, max_condition: float) -> Array:
@@ -36,33 +34,23 @@ def fit_metric(x: Array, v: Array, max_condition: float) -> Array:
     CertificateError
         If the data are not finite or the solver fails; the message names the solver's status.
     """
-    n = len(x)
-    upper = _UPPER[:6]
-    twice = np.array([1.0 if i == j else 2.0 for i, j in upper])
-    identity = np.array([float(i == j) for i, j in upper])
-    # v^T P x on the six entries of P, and the rises above zero, one for each mean
-    products = np.stack(
-        [0.5 * t * (v[:, i] * x[:, j] + v[:, j] * x[:, i]) for t, (i, j) in zip(twice, upper, strict=True)], axis=1
-    )
-    eye, none = np.eye(n), np.zeros((n, 6))
-    A = np.concatenate(
-        [
-            np.concatenate([identity, np.zeros(n)])[None],  # trace P = 3
-            np.concatenate([none, -eye], axis=1),  # rise >= 0
-            np.concatenate([products, -eye], axis=1),  # rise >= v^T P x + margin
-            np.concatenate([-np.diag(np.sqrt(twice)), np.zeros((6, n))], axis=1),  # P - delta I is positive
-        ]
-    )
-    delta = 3.0 / (max_condition + 2.0)  # the largest eigenvalue is at most 3 - 2 delta
-    b = np.concatenate([[3.0], np.zeros(n), np.full(n, -_MARGIN), -delta * identity])
-    Q = np.diag(np.concatenate([_PULL * twice, np.zeros(n)]))
-    c = np.concatenate([-_PULL * identity, np.full(n, 1.0 / n)])
-    cones = [clarabel.ZeroConeT(1), clarabel.NonnegativeConeT(2 * n), clarabel.PSDTriangleConeT(3)]
-    entries = solve(Q, c, A, b, cones, "learning the metric P")
-    P = np.zeros((3, 3))
-    for value, (i, j) in zip(entries, upper, strict=False):
-        P[i, j] = P[j, i] = value
+    problem = _metric_problem(len(x), max_condition)
+    _solve(problem, "learning the metric P", products=(v[:, :, None] * x[:, None, :]).reshape(-1, 9))
+    P = problem.var_dict["P"].value
+    P = 0.5 * (P + P.T)
     return np.asarray(3.0 * P / np.trace(P))
+
+
+@lru_cache(maxsize=32)
+def _metric_problem(n: int, max_condition: float) -> cp.Problem:
+    P = cp.Variable((3, 3), symmetric=True, name="P")
+    products = cp.Parameter((n, 9), name="products")  # v_i x_i^T, so that v_i^T P x_i is its product with P
+    rise = cp.pos(products @ cp.vec(P, order="C") + _MARGIN)
+    delta = 3.0 / (max_condition + 2.0)  # the largest eigenvalue is at most 3 - 2 delta
+    return cp.Problem(
+        cp.Minimize(cp.sum(rise) / n + 0.5 * _PULL * cp.sum_squares(P - np.eye(3))),
+        [P >> delta * np.eye(3), cp.trace(P) == 3.0],
+    )
 
 
 def fit_matrices(
@@ -96,49 +84,46 @@ def fit_matrices(
         If the data are not finite or the solver fails; the message names the solver's status.
     """
     K = weights.shape[1]
-    root_P, inverse_root = roots(P)
+    root_P, _ = roots(P)
     each = np.sqrt(importance)[:, None]
     features = each * (weights[:, :, None] * x[:, None, :]).reshape(len(x), 3 * K)
-    # || features B - v || = || R B - target || + constant: the triangular factor of a QR decomposition
+    # || features B - v || = || factor B - target || + constant: the triangular factor of a QR decomposition
     data = np.concatenate([features, each * v / gain_hz], axis=1)
     R = np.asarray(np.linalg.qr(np.concatenate([data, np.zeros((3 * K, 3 * K + 3))]), mode="r"))
-    factor, target = R[: 3 * K, : 3 * K], R[: 3 * K, 3 * K :]
-    # In units of the gain. The unknowns are S_k = P^(1/2) A_k P^(-1/2), the same matrices seen in the metric, row by row, and
-    # the residuals r; column a of A_k^T is a linear form in the entries of S_k.
-    entry = np.einsum("ai,jb->baij", inverse_root, root_P).reshape(3, 3, 9)  # A_k[a, b] = entry[b, a] . S_k
-    mapped = np.einsum("mkb,baq->makq", factor.reshape(3 * K, K, 3), entry).reshape(9 * K, 9 * K)
     size = np.sum((each * weights) ** 2 * np.sum((x @ root_P) ** 2, axis=1, keepdims=True)) / K
-    pull = ridge * float(size)  # holds S_k near to -I
-    Q = np.concatenate([np.full(9 * K, pull), np.ones(9 * K)])
-    c = np.concatenate([np.tile(pull * np.eye(3).ravel(), K), np.zeros(9 * K)])
-    # || I + h S_k || <= rho: the symmetric matrix [rho I, I + h S_k; its transpose, rho I] is positive
-    step, rho = gain_hz * period_s, np.sqrt(1.0 - 2.0 * rate_hz * period_s)
-    A, b = np.zeros((21, 9)), np.zeros(21)
-    for row, (i, j) in enumerate(_UPPER):
-        if i == j:
-            b[row] = rho
-        elif i < 3 <= j:
-            A[row, 3 * i + j - 3] = -np.sqrt(2.0) * step
-            b[row] = np.sqrt(2.0) * (i == j - 3)
-    rows = sparse.bmat([[mapped, -sparse.eye(9 * K)], [sparse.kron(sparse.eye(K), A), None]])
-    cones = [clarabel.ZeroConeT(9 * K), *[clarabel.PSDTriangleConeT(6)] * K]
-    found = solve(np.diag(Q), c, rows, np.concatenate([target.ravel(), np.tile(b, K)]), cones, "fitting the stable matrices")
-    S = found[: 9 * K].reshape(K, 3, 3)
-    return np.asarray(gain_hz * (inverse_root @ S @ root_P))
+    problem = _matrices_problem(K, gain_hz * period_s, np.sqrt(1.0 - 2.0 * rate_hz * period_s))
+    values = {"factor": R[: 3 * K, : 3 * K], "target": R[: 3 * K, 3 * K :], "root_P": root_P, "pull": np.sqrt(ridge * size)}
+    _solve(problem, "fitting the stable matrices", **values)
+    return gain_hz * np.stack([problem.var_dict[f"A{k}"].value for k in range(K)])
 
 
-def solve(Q: Array, c: Array, A: Any, b: Array, cones: list[Any], what: str) -> Array:
-    """The x that minimises x^T Q x / 2 + c^T x with b - A x in the cones."""
-    A = sparse.csc_matrix(A)
-    if not all(np.all(np.isfinite(values)) for values in (Q, c, A.data, b)):
+@lru_cache(maxsize=32)
+def _matrices_problem(K: int, step: float, rho: float) -> cp.Problem:
+    """In units of the gain: A_k, and S_k = P^(1/2) A_k P^(-1/2), which is the same matrix seen in the metric."""
+    A = [cp.Variable((3, 3), name=f"A{k}") for k in range(K)]
+    S = [cp.Variable((3, 3)) for _ in range(K)]
+    factor = cp.Parameter((3 * K, 3 * K), name="factor")
+    target = cp.Parameter((3 * K, 3), name="target")
+    root_P = cp.Parameter((3, 3), name="root_P")
+    pull = cp.Parameter(nonneg=True, name="pull")
+    misfit = cp.sum_squares(factor @ cp.vstack([Ak.T for Ak in A]) - target)
+    plain = cp.sum_squares(pull * (cp.hstack(S) + np.tile(np.eye(3), K)))  # small where S_k is near to -I
+    stable = [cp.sigma_max(np.eye(3) + step * Sk) <= rho for Sk in S]
+    return cp.Problem(cp.Minimize(misfit + plain), [*stable, *(Sk @ root_P == root_P @ Ak for Sk, Ak in zip(S, A, strict=True))])
+
+
+def _solve(problem: cp.Problem, what: str, **values: Array) -> None:
+    """Solve for these values of the parameters; the variables hold the answer."""
+    if not all(np.all(np.isfinite(value)) for value in values.values()):
         raise CertificateError(f"{what}: the data are not finite")
-    settings = clarabel.DefaultSettings()
-    settings.verbose, settings.max_threads = False, 1
-    settings.static_regularization_constant = (
-        1e-7  # of 4,500 problems of random numbers the default leaves 30 unsolved, this none
-    )
-    solution = clarabel.DefaultSolver(sparse.triu(Q, format="csc"), c, A, b, cones, settings).solve()
-    # nearly solved is good enough: the certificate is checked on the numbers themselves
-    if solution.status not in (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved):
-        raise CertificateError(f"{what}: the solver stopped with status {solution.status}")
-    return np.array(solution.x)
+    for name, value in values.items():
+        problem.param_dict[name].value = value
+    with warnings.catch_warnings():
+        # nearly solved is good enough: the certificate is checked on the numbers themselves
+        warnings.filterwarnings("ignore", message="Solution may be inaccurate", category=UserWarning)
+        try:
+            problem.solve(solver=cp.CLARABEL, warm_start=False, max_threads=1)
+        except cp.SolverError as error:
+            raise CertificateError(f"{what}: the solver failed: {error}") from error
+    if problem.status not in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
+        raise CertificateError(f"{what}: the solver stopped with status {problem.status}")

@@ -98,7 +98,7 @@ def fit_lpv(
     if not paths:
         lpv = attraction(config.gain_hz, least_pace)
         return lpv, certify(lpv.matrices, np.eye(3), config.period_s)
-    from symskill_pddl.skills.convex import fit_matrices, fit_metric  # only fitting needs the solver
+    from symskill_pddl.skills.convex import fit_matrices, fit_metric  # CVXPY is slow to import, and only fitting needs it
 
     x = np.concatenate([path.points for path in paths])
     extent = float(np.sqrt((x * x).sum(1).mean()))
