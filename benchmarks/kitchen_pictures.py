@@ -84,7 +84,8 @@ def ways() -> dict[str, Callable[[Kitchen], object]]:
 def picture(task: str, folder: Path, size: tuple[int, int] = (400, 300)) -> bool:
     """Start and end side by side; whether the judge accepts the end."""
     kitchen = make(task, SEED)
-    view = Camera(kitchen, "close", *size)
+    # the knob and the lever are small, and on the right
+    view = Camera(kitchen, "right" if {"knob", "lever"} & {kitchen.focus[0]} else "close", *size)
     start = view.image()
     ways()[kitchen.spec.kind](kitchen)
     both = np.concatenate([start, np.full((size[1], 6, 3), 255, np.uint8), view.image()], axis=1)

@@ -40,6 +40,7 @@ def fixtures(scene: SceneLayout) -> list[ET.Element]:
         f'<geom type="sphere" size="{layout.OBSTACLE_RADIUS}" rgba="0.85 0.1 0.1 1" group="2" {contact_text(CONTACT)}/></body>',
         '<camera name="overview" pos="-0.75 1.25 1.15" xyaxes="-0.70 -0.71 0 0.30 -0.30 0.90" fovy="48"/>',
         '<camera name="close" pos="-0.35 0.95 0.95" xyaxes="-0.754 -0.656 0.000 0.330 -0.379 0.865" fovy="45"/>',
+        '<camera name="right" pos="0.10 -1.05 0.62" xyaxes="0.881 -0.473 0.000 0.284 0.530 0.799" fovy="36"/>',
         '<camera name="inside" pos="-0.25 0.30 0.95" xyaxes="-0.36 -0.93 0 0.25 -0.10 0.96" fovy="55"/>',
     )
     return [ET.fromstring(body) for body in bodies]
