@@ -3,9 +3,9 @@
     python benchmarks/kitchen.py [--scale 1.0] [--seed 5000] [--jobs 2] [--only NAME ...] [--folder DIR] [-o docs/results.md]
 
 Learns libraries from the shipped demonstrations, runs every evaluation of `kitchen_suites.py`, and writes the page anew after
-each. Results files, libraries and the episodes so far lie in the folder; called again with the same arguments, it goes on where
-it was. `--scale 0.1` runs a tenth of the episodes. `--list` says what there is to measure. An evaluation whose tasks the kitchen
-does not have, or that nobody has recorded, is left out, and the page says so.
+each. Results files, libraries, the episodes so far and the traces of those that failed lie in the folder; called again with the
+same arguments, it goes on where it was. `--scale 0.1` runs a tenth of the episodes. `--list` says what there is to measure. An
+evaluation whose tasks the kitchen does not have, or that nobody has recorded, is left out, and the page says so.
 """
 
 from __future__ import annotations
@@ -60,8 +60,9 @@ def measure(entry: Entry, folder: Path, scale: float, seed: int, jobs: int) -> M
     def run(name: str, what: str) -> Results:
         asked = suite if not what else without(suite, what)
         print(f"{name}: {len(asked.episodes)} episodes", file=sys.stderr, flush=True)
-        output, known = folder / f"{name}.json", checksum(path)
-        return evaluate(Library.load, path, asked, output, checksum=known, pool=Processes(jobs), keep=True)
+        output, known, failed = folder / f"{name}.json", checksum(path), folder / "failed" / name
+        failed.mkdir(parents=True, exist_ok=True)
+        return evaluate(Library.load, path, asked, output, checksum=known, pool=Processes(jobs), failed=failed, keep=True)
 
     found = Measured(entry, run(entry.name, ""))
     for mechanism in entry.against:

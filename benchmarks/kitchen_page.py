@@ -145,9 +145,10 @@ def _counts(counts: Mapping[str, int]) -> str:
 
 
 def _failures(measured: Sequence[Measured]) -> list[str]:
-    """Every failed episode with the monitor, and how to see it again."""
+    """Every failed episode, without those of comparisons, and where its decisions are."""
     lines = [
-        "With everything switched on; `symskill run LIBRARY --task TASK --seed SEED [--disturb ...] --trace F` does one again.",
+        "Not counting the runs without a mechanism. The traces lie in the benchmark's folder,",
+        "`failed/EVALUATION/TASK-SEED.jsonl`; `symskill replay TRACE` steps through one.",
         "",
     ]
     rows = [(m.entry, t.task, e) for m in measured for t in m.results.tasks for e in t.episodes if not e.success]

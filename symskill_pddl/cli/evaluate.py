@@ -22,6 +22,7 @@ from symskill_pddl.cli.options import (
     NoResamplingFlag,
     NoTrackingFlag,
     PlannerOption,
+    make_folder,
     require_folder,
 )
 from symskill_pddl.errors import InputError
@@ -54,6 +55,9 @@ def evaluate(
         list[str] | None,
         typer.Option("--against", metavar="MECHANISM", help="Also without it, same episodes, compared; may be repeated."),
     ] = None,
+    keep_failed: Annotated[
+        Path | None, typer.Option("--keep-failed", metavar="DIR", help="Keep the traces of the episodes that fail.")
+    ] = None,
     disturb: DisturbOption = None,
     jobs: Annotated[int | None, typer.Option("--jobs", help="Processes, 1 if not given; with --ray, workers at most.")] = None,
     ray: Annotated[
@@ -83,11 +87,12 @@ def evaluate(
     pool: Pool = Processes(1 if jobs is None else jobs) if ray is None else Ray(ray, jobs or 0)
     require_folder(output)
     work.open_edited(library, domain)
-    results = _run(library, domain, asked, output, pool, "", keep=bool(others))
+    results = _run(library, domain, asked, output, pool, "", keep_failed, keep=bool(others))
     compared: dict[str, tuple[Difference, ...]] = {}
     for mechanism, other in others.items():
         path = output.with_name(f"{output.stem}.no-{mechanism}{output.suffix}")
-        found = _run(library, domain, other, path, pool, f" without {mechanism}", keep=True)
+        kept = keep_failed / f"no-{mechanism}" if keep_failed is not None else None
+        found = _run(library, domain, other, path, pool, f" without {mechanism}", kept, keep=True)
         compared[mechanism] = compare(results, found)
     if json:
         document = results.model_dump(mode="json")
@@ -100,9 +105,13 @@ def evaluate(
         show_differences(mechanism, differences)
 
 
-def _run(library: Path, domain: Path | None, suite: Suite, output: Path, pool: Pool, what: str, *, keep: bool) -> Results:
+def _run(
+    library: Path, domain: Path | None, suite: Suite, output: Path, pool: Pool, what: str, failed: Path | None, *, keep: bool
+) -> Results:
     from symskill_pddl.evaluation.resumable import evaluate as run
 
+    if failed is not None:
+        make_folder(failed)
     count = len(suite.episodes)
     with progress(f"{count} episodes{what}", total=count) as advance:
 
@@ -122,6 +131,7 @@ def _run(library: Path, domain: Path | None, suite: Suite, output: Path, pool: P
             output,
             checksum=work.checksum(library, domain),
             pool=pool,
+            failed=failed,
             keep=keep,
             on_start=start,
             on_episode=done,

@@ -20,6 +20,7 @@ def evaluate(
     *,
     checksum: str,
     pool: Pool,
+    failed: Path | None = None,
     keep: bool = False,
     on_start: Callable[[int], None] | None = None,
     on_episode: Callable[[str, EpisodeResult], None] | None = None,
@@ -34,6 +35,8 @@ def evaluate(
         The results file; the episodes so far lie beside it until it is written.
     pool : Pool
         Where episodes are run.
+    failed : Path, optional
+        A folder for the traces of the episodes that fail.
     keep : bool
         A results file that is there already, of the same settings and tasks, is taken as it is.
     on_start : callable, optional
@@ -60,7 +63,9 @@ def evaluate(
             if on_episode is not None:
                 on_episode(task, episode)
 
-        results = run_suite(load, path, suite, checksum=checksum, pool=pool, done=dict(partial.done), on_episode=done)
+        results = run_suite(
+            load, path, suite, checksum=checksum, pool=pool, failed=failed, done=dict(partial.done), on_episode=done
+        )
         save_results(output, results)
         partial.remove()
     return results

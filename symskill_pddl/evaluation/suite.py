@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -14,6 +15,7 @@ from symskill_pddl.evaluation.results import EpisodeResult, Results, Settings, T
 from symskill_pddl.evaluation.spread import Key, Pool, Processes, Work
 from symskill_pddl.evaluation.trial import prepare, run_episode
 from symskill_pddl.execution.config import ExecutionConfig
+from symskill_pddl.execution.trace import TraceWriter
 from symskill_pddl.kitchen import TASKS, parse_disturbance, task_named
 from symskill_pddl.kitchen.disturbances import ANY, KINDS, Kind
 from symskill_pddl.library import Library
@@ -141,6 +143,7 @@ def run_suite(
     *,
     checksum: str = "",
     pool: Pool | None = None,
+    failed: Path | None = None,
     done: Mapping[Key, EpisodeResult] | None = None,
     on_episode: Callable[[str, EpisodeResult], None] | None = None,
 ) -> Results:
@@ -152,6 +155,8 @@ def run_suite(
         How and from where each process gets the library; `load` has to be picklable.
     pool : Pool, optional
         Where episodes are run; in this process if it is not given.
+    failed : Path, optional
+        A folder for the traces of the episodes that fail, TASK-SEED.jsonl.
     done : mapping, optional
         Results, by task and seed, of episodes that need not be run again.
     on_episode : callable, optional
@@ -159,7 +164,7 @@ def run_suite(
     """
     found = dict(done or {})
     left = [key for key in suite.episodes if key not in found]
-    for task, result in (pool or Processes()).run(partial(_begin, load, path, suite), left):
+    for task, result in (pool or Processes()).run(partial(_begin, load, path, suite, failed), left):
         found[task, result.seed] = result
         if on_episode is not None:
             on_episode(task, result)
@@ -167,15 +172,21 @@ def run_suite(
     return Results(settings=suite.settings(checksum), tasks=tuple(tasks))
 
 
-def _begin(load: Callable[[Path], Library], path: Path, suite: Suite) -> Work:
-    return partial(run_one, load(path), suite)
+def _begin(load: Callable[[Path], Library], path: Path, suite: Suite, failed: Path | None) -> Work:
+    return partial(run_one, load(path), suite, failed=failed)
 
 
-def run_one(library: Library, suite: Suite, task: str, seed: int) -> EpisodeResult:
-    """One episode of a suite; what cannot be set up counts as failed, with its reason."""
+def run_one(library: Library, suite: Suite, task: str, seed: int, *, failed: Path | None = None) -> EpisodeResult:
+    """One episode of a suite; what cannot be set up counts as failed, with its reason. `failed` is for its trace if it fails."""
     try:
         episode = prepare(library, task, seed, disturbances=suite.disturbances)
-        result, _ = run_episode(library, episode, seed, get(suite.planner), monitor=suite.monitor, config=suite.config)
+        with ExitStack() as stack:
+            trace = stack.enter_context(TraceWriter(failed / f"{task}-{seed}.jsonl")) if failed is not None else None
+            result, _ = run_episode(
+                library, episode, seed, get(suite.planner), monitor=suite.monitor, config=suite.config, trace=trace
+            )
+        if failed is not None and result.success:
+            (failed / f"{task}-{seed}.jsonl").unlink()
     except MissingDependencyError:
         raise  # no episode would run
     except SymSkillError as error:

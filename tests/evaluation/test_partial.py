@@ -124,7 +124,7 @@ import symskill_pddl.evaluation.suite as suite
 from symskill_pddl.cli import main
 from symskill_pddl.evaluation.results import EpisodeResult
 
-def run_one(library, settings, task, seed):
+def run_one(library, settings, task, seed, failed=None):
     time.sleep({seconds})
     with open({log!r}, "a") as log:
         log.write(f"{{os.getpid()}} {{seed}}\\n")
