@@ -56,21 +56,23 @@ def to_cabinet(hand: Hand, food: str) -> None:
 
 def to_plate(hand: Hand, food: str) -> None:
     """Out of the pan, onto the plate."""
-    _into_dish(hand, food, _floor(hand, "pan")[2], "plate")
+    _into_dish(hand, food, "pan", "plate")
 
 
 def to_pan(hand: Hand, food: str, pan: str = "pan") -> None:
     """From the plate, or the counter, into the pan."""
     on_plate = np.linalg.norm((hand.scene.pose(food).p - hand.scene.pose("plate").p)[:2]) < PLATE.half[0]
-    _into_dish(hand, food, _floor(hand, "plate")[2] if on_plate else COUNTER_TOP, pan)
+    _into_dish(hand, food, "plate" if on_plate else None, pan)
 
 
-def _into_dish(hand: Hand, food: str, support: float, dish: str) -> None:
-    """Straight up from a support of this height, over the dish's rim, and straight down into it."""
+def _into_dish(hand: Hand, food: str, start: str | None, dish: str) -> None:
+    """Straight up out of another dish, or from the counter, over the dish's rim, and straight down into it."""
     rng = hand.rng
     grasp = _pick(hand, food, [], _grasp(hand, food))
     up = moved(grasp, [0.0, 0.0, rng.uniform(0.07, 0.10)])
     spot, spread = IN_DISH[layout.DINNER.loose[dish].type]
+    # the other dish as it stands after the food was lifted from it
+    support = _floor(hand, start)[2] if start else COUNTER_TOP
     place = _place(hand, grasp, _floor(hand, dish, np.array(spot) + rng.uniform(-spread, spread, 2)), support)
     _carry(hand, [up, moved(place, [0.0, 0.0, rng.uniform(0.08, 0.10)])], place)
     _retreat(hand, [along(place, -float(rng.uniform(0.09, 0.12)))])
