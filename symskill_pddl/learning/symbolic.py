@@ -15,7 +15,7 @@ from symskill_pddl.learning.operators import OperatorConfig, OperatorGroup, lear
 from symskill_pddl.learning.predicates import learn_relations
 from symskill_pddl.learning.relations import PredicateConfig, Relations
 from symskill_pddl.learning.segments import Episode, SegmentConfig, segment_all
-from symskill_pddl.learning.transitions import Truth, gripper_rule, transitions, truth_of
+from symskill_pddl.learning.transitions import Truth, exclusive, gripper_rule, transitions, truth_of
 from symskill_pddl.library import Goal
 from symskill_pddl.scene import GRIPPER
 from symskill_pddl.symbols import Predicate
@@ -40,7 +40,7 @@ class Symbolic:
     places, contacts : tuple of str
         Names of `relations.places` and `relations.contacts`.
     truths : dict of str to Truth
-        By demonstration, the truth of every atom that ever holds, as the learned predicates see it.
+        By demonstration, the truth of every atom that ever holds, as the learned predicates see it; every object at one place.
     notes : tuple of str
         What was left out, and why.
     """
@@ -94,7 +94,7 @@ def learn_symbols(
     classifiers = named(relations, places, contacts)
     progress("operators")
     gripper = gripper_rule(demos)
-    truths = {demo.where: truth_of(demo, classifiers, gripper) for demo in demos}
+    truths = {demo.where: exclusive(truth_of(demo, classifiers, gripper), classifiers) for demo in demos}
     found, odd_transitions = transitions(relations, truths, places, contacts)
     groups, odd_operators = learn_operators(found, demos, relations, classifiers, places, contacts, extents, config.operators)
     notes = (*relations.notes, *odd_transitions, *odd_operators)
