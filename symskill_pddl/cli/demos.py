@@ -130,6 +130,9 @@ def show(
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE.svg", help="With --why: draw the predicate over its data.")
     ] = None,
+    plots: Annotated[
+        Path | None, typer.Option("--plots", metavar="DIR", help="Draw every skill into this folder, a picture for each phase.")
+    ] = None,
     form: Annotated[
         str | None, typer.Option("--table", metavar="FORM", help="The operators alone, as a markdown or latex table.")
     ] = None,
@@ -144,7 +147,14 @@ def show(
         raise InputError("--picture belongs to --why PREDICATE")
     if form is not None and (why is not None or json):
         raise InputError("--table prints the operators alone, without --why and --json")
+    if plots is not None and (why is not None or form is not None or json):
+        raise InputError("--plots draws the skills, without --why, --table and --json")
     learned = open_library(library)
+    if plots is not None:
+        from symskill_pddl.cli.plots import draw_skills
+
+        remark(f"{plots}: {len(draw_skills(learned, plots))} pictures")
+        return
     if form is not None:
         say("\n".join(operators_as(learned, form)))
         return

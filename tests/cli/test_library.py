@@ -197,3 +197,12 @@ def test_a_predicate_is_drawn_over_its_data(symskill: Callable[..., Any], librar
         assert (refused.status, refused.out) == (2, "")
         assert message in refused.err
     assert not (tmp_path / "x.svg").exists()
+
+
+def test_skills_are_drawn(symskill: Callable[..., Any], library: Path, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    phases = {name: len(s["phases"]) for name, s in json.loads(symskill("show", library, "--json").out)["skills"].items()}
+    done = symskill("show", library, "--plots", tmp_path / "plots")
+    assert done.status == 0, done.err
+    assert {p.name for p in (tmp_path / "plots").iterdir()} == {f"{n}-{i + 1}.png" for n, k in phases.items() for i in range(k)}
+    assert symskill("show", library, "--plots", tmp_path / "plots", "--json").status == 2
