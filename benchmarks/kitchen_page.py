@@ -60,13 +60,14 @@ HEAD = (
 def _section(figure: Figure, here: Sequence[Measured]) -> list[str]:
     lines = list(HEAD) if here else []
     for m in here:
-        what = _named(m.entry.what, *(f"no {name}" for name in m.entry.off))
+        what = _what(m.entry)
         rows = [_row(t, t.task, what) for t in m.results.tasks]
         lines += [] if m.entry.spread and len(rows) > 1 else rows
         if len(rows) > 1:
             lines.append(_row(_together(m.results.tasks), "**all**", what))
         for mechanism, other in m.without.items():
-            lines.append(_row(_together(other.tasks), "**all**", _named(what, f"no {mechanism}")))
+            name = other.tasks[0].task if len(rows) == 1 else "**all**"
+            lines.append(_row(_together(other.tasks), name, _named(what, f"no {mechanism}")))
     differences = [(m, mechanism, other) for m in here for mechanism, other in m.without.items()]
     if differences:
         head = "| what | successes with, without | difference | interval | p | new plans | obstacle touched [s] |"
@@ -74,10 +75,11 @@ def _section(figure: Figure, here: Sequence[Measured]) -> list[str]:
     for m, mechanism, other in differences:
         d = compare(m.results, other)[-1]
         rates = f"{d.both + d.only_first}, {d.both + d.only_second} of {d.trials}"
-        what = ", ".join(filter(None, (m.entry.what, mechanism)))
-        lines.append(
-            f"| {what} | {rates} | {d.difference:+.2f} | {d.interval[0]:+.2f} to {d.interval[1]:+.2f} | {d.p_value:.2g} |"
-        )
+        interval = f"{d.interval[0]:+.2f} to {d.interval[1]:+.2f}"
+        one, two = _together(m.results.tasks), _together(other.tasks)
+        means = f"{one.mean_replans:.1f}, {two.mean_replans:.1f} | {one.touched_s:.1f}, {two.touched_s:.1f}"
+        what = _named(_what(m.entry), mechanism)
+        lines.append(f"| {what} | {rates} | {d.difference:+.2f} | {interval} | {d.p_value:.2g} | {means} |")
     if differences and figure == ATOMIC:
         lines += ["", "Without the monitor, by task:", "", *HEAD]
         lines += [_row(t, t.task, "no monitor") for _, _, other in differences for t in other.tasks]
@@ -134,6 +136,11 @@ def _row(t: TaskResult | Total, name: str, what: str) -> str:
 def _rate(t: TaskResult | Total) -> str:
     low, high = t.interval
     return f"{t.successes} of {t.trials} | {t.successes / t.trials:.2f} | {low:.2f}-{high:.2f}"
+
+
+def _what(entry: Entry) -> str:
+    """The condition of an entry."""
+    return _named(entry.what, *(f"no {mechanism}" for mechanism in entry.off))
 
 
 def _named(*words: str) -> str:

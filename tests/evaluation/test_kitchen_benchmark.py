@@ -67,6 +67,7 @@ def test_the_page_tells_rates_differences_and_every_failure(modules: tuple[Any, 
             return EpisodeResult(
                 seed=5000 + i, success=not cause, category="replan limit" if cause else "success", cause=cause,
                 troubles={"motion": 1}, reason="a | b" if cause else "", replans=1, recoveries=0, steps=1, time_s=10.0,
+                touched_s=0.5,
             )  # fmt: skip
 
         return Results(
@@ -80,7 +81,9 @@ def test_the_page_tells_rates_differences_and_every_failure(modules: tuple[Any, 
     text = pages.page(measured, [*missing, "Fly: no wings"], found[-1:], "the command", 0.1, 5000)
     assert text.count("\n## ") == len({e.figure for e in found}) + 3
     assert "| StoreCheese | 4 of 5 | 0.80 | 0.38-0.96 | 10 | 1.0 | 0.0 | 5 motion | 1 grasp |" in text
-    assert "| door shut, replanning | 3, 1 of 3 | +0.67 |" in text
+    assert "| StoreCheese, door shut, no replanning | 1 of 3 | 0.33 |" in text
+    assert "| door shut, replanning | 3, 1 of 3 | +0.67 | -0.06 to +0.94 | 0.5 | 1.0, 1.0 | 0.5, 0.5 |" in text
+    assert "| obstacle, no monitor, obstacles | 3, 1 of 3 |" in text
     assert "| store | StoreCheese | 5000 | grasp | replan limit: a / b |" in text
     assert f"Not finished: {found[-1].name}." in text
     assert "- Fly: no wings" in text
