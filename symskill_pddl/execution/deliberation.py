@@ -31,7 +31,7 @@ from symskill_pddl.execution.recovery import StepKey, nearest_symbols, other_fac
 from symskill_pddl.execution.trace import PlanLine, rows
 from symskill_pddl.geometry import Pose
 from symskill_pddl.library import Library
-from symskill_pddl.planning import Limits, Planner, PlanResult, Session, Status, explain, nearest_goal, session
+from symskill_pddl.planning import Builtin, Limits, Planner, PlanResult, Session, Status, explain, nearest_goal, session
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, GroundOperator, Problem, State
 
 _MOST_ASSUMPTIONS = 12
@@ -138,7 +138,8 @@ class Deliberation:
             return result.messages or (result.status.value,)
         lines = explain(self._domain, problem)
         if len(self._goal) > 1:
-            part = nearest_goal(self._domain, problem, self._planner)
+            # not by the planner itself: there is nobody left to see that it comes back
+            part = nearest_goal(self._domain, problem, Builtin())
             lines += (f"a part that can be reached: {' '.join(map(str, sorted(part))) or 'none'}",)
         return lines or result.messages
 

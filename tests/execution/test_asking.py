@@ -1,4 +1,5 @@
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -69,9 +70,9 @@ BROKEN = {
 }
 
 
-def run(world, planner, **more):
+def run(world, planner, config=None, **more):
     return execute(
-        world, LIBRARY, LIBRARY.domain(), IN_CABINET, planner, QUICK, objects=OBJECTS, rng=np.random.default_rng(0), **more
+        world, LIBRARY, LIBRARY.domain(), IN_CABINET, planner, config, objects=OBJECTS, rng=np.random.default_rng(0), **more
     )
 
 
@@ -80,7 +81,7 @@ def test_a_broken_planner_leaves_the_robot_stopped_with_a_reason(case, tmp_path)
     instead, message = BROKEN[case]
     world = Recording()
     with TraceWriter(tmp_path / "trace.jsonl") as trace:
-        outcome = run(world, Fake(instead), trace=trace)
+        outcome = run(world, Fake(instead), QUICK, trace=trace)
     assert outcome.category is Category.PLANNER
     assert message in outcome.reason
     assert not any(np.any(c.twist) for c in world.commands)
@@ -99,7 +100,7 @@ def test_the_robot_stops_also_in_the_middle(case):
             done.append(index)
             world.after(0.3, world.drop)
 
-    outcome = run(world, Fake(BROKEN[case][0], good=1), on_step=drop)
+    outcome = run(world, Fake(BROKEN[case][0], good=1), ExecutionConfig(plan_time_s=1.0), on_step=drop)
     assert outcome.category is Category.PLANNER
     assert any(np.any(c.twist) for c in world.commands)
     assert not np.any(world.commands[-1].twist)
@@ -145,6 +146,18 @@ def test_what_the_planner_says_of_bad_input_is_passed_on():
 
     with pytest.raises(InputError, match="no such dialect"):
         run(Recording(), Fake(refuse))
+
+
+def test_an_explanation_does_not_ask_it_again():
+    class Fickle(Fake):
+        def solve(self, domain, problem, limits=Limits(), extra_costs=None):
+            return PlanResult(Status.UNSOLVABLE) if len(problem.goal) > 1 else crash()
+
+    library = replace(LIBRARY, operators=tuple(o for o in LIBRARY.operators if o.operator.name != "place-on-counter"))
+    goal = atoms("food-in-cabinet cheese cabinet", "food-on-counter cheese counter")
+    outcome = execute(FakeWorld(), library, library.domain(), goal, Fickle(crash), objects=OBJECTS, rng=np.random.default_rng(0))
+    assert outcome.category is Category.UNREACHABLE
+    assert "a part that can be reached: (food-in-cabinet cheese cabinet)" in outcome.reason
 
 
 def test_asking():
