@@ -21,10 +21,13 @@ class ArticulationConfig:
     """What still counts as one axis or one line."""
 
     max_off_axis_m: float = 0.012
+    """As `max_off_axis_rad`, for positions."""
     max_off_axis_rad: float = float(np.radians(4.0))
     """Root mean square deviation of poses from the joint."""
     min_turn_rad: float = float(np.radians(15.0))
+    """Less of a turn shows no axis: 1 cm of noise at 5 cm of it looks like 10 degrees."""
     min_slide_m: float = 0.03
+    """Less of a way shows no line."""
     steep_rad: float = float(np.radians(35.0))
     """A single straight motion nearer to the vertical than this is a lift, not a slide."""
     agree_rad: float = float(np.radians(12.0))

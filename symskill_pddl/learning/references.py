@@ -36,17 +36,23 @@ class ReferenceConfig:
     """Weights and lengths of the score."""
 
     gap_m: float = 0.03
+    """Decay length of the gap between what is loose and what it may lie on: trackers and boxes are off by that much."""
     side_gap_m: float = 0.15
     """Decay length of the gap for what is hinged or slides."""
     near_m: float = 0.3
+    """Decay length of proximity: the size of furniture."""
     proximity_weight: float = 0.5
+    """Of proximity, against 1 for contact: it decides where contact does not."""
     same_type_penalty: float = 0.5
+    """Things are rarely put relative to things of their own type; a stack of them still wins by contact."""
     alignment_weight: float = 0.25
+    """Of what is hinged or slides: weight of lying as its reference does in one of its rests."""
     aligned_rad: float = float(np.radians(10.0))
-    """Of what is hinged or slides: weight of lying as its reference does in one of its rests, and decay angle."""
+    """Decay angle of that."""
     minority: int = 1
     """Groups of at most this many guesses join a larger group if its type scores nearly as well."""
     nearly: float = 0.35
+    """A smaller lead of the odd guess over the larger group's type counts as nearly as well."""
     hinged_minority: float = 0.25
     """Of what is hinged or slides, groups of less than this fraction of the guesses join a larger group in any case: all of a
     type hang on one type."""

@@ -35,12 +35,17 @@ class PredicateConfig:
     vertical_weight: float = 4.0
     """Heights count more than places on a support: two shelves are two predicates, two spots on a counter are one."""
     tilt_m_rad: float = 0.3
+    """A tilt of one radian counts as this distance: what lies on its side is somewhere else."""
     static_gap_m: float = 0.5
     """An object that nobody moved widens a cluster if it rests within this of a member, at its height and tilt."""
     hinge_gap_rad: float = float(np.radians(18.0))
+    """Rests of what is hinged that are nearer than this are one place: people open a door a little more or less."""
     slide_gap_m: float = 0.04
+    """As `hinge_gap_rad`, for what slides."""
     contact_gap_m: float = 0.05
+    """Grasps nearer than this, turns included, are one way to hold a thing."""
     contact_m_rad: float = 0.12
+    """In that, one radian counts as this distance: about a hand's length from wrist to finger tips."""
     trim: float = 0.10
     """Fraction of a motion that is left out at both ends of the gripper's relative poses."""
     odd_of: int = 3

@@ -36,31 +36,44 @@ class SegmentConfig:
     filter_s: float = 0.35
     """Window of the Savitzky-Golay filter; 7 samples at 20 Hz."""
     enter_m_s: float = 0.02
+    """An object moves from this speed on: slower than any stroke of a hand, three times what 1 mm of jitter looks like."""
     leave_m_s: float = 0.01
+    """It moves until it is slower than this: half of the entering speed, so that an even push is not cut up."""
     enter_rad_s: float = 0.10
+    """As `enter_m_s`, for turning: a door of 0.3 m then moves at its handle by 3 cm/s."""
     leave_rad_s: float = 0.05
+    """As `leave_m_s`, for turning."""
     reach_m: float = 0.15
     """What moves farther than this from the hand (from its box to the hand, if its extents are known) falls or rolls."""
     merge_gap_s: float = 0.25
+    """Shorter gaps in a motion are none: a filter's length, and less than people need to begin anew."""
     held_m: float = 0.02
+    """A gap is a pause in contact if the hand stays this near to where it was on the object: less than a finger's width."""
     held_rad: float = float(np.radians(15.0))
-    """A gap is a pause in contact if the hand stays this near to where it was on the object."""
+    """As `held_m`, for turning."""
     settle_m: float = 0.005
+    """As `settle_rad`, for shifts."""
     settle_rad: float = float(np.radians(2.0))
     """A slow end of a motion counts as motion until the object is this near to where it comes to rest."""
     left_m: float = 0.002
+    """As `left_rad`, for shifts."""
     left_rad: float = float(np.radians(0.5))
     """An object has left its resting place once it is this far from it, and three times its pose's jitter, and has come to the
     next one likewise."""
     min_shift_m: float = 0.01
+    """What moves less than this, and turns less than `min_turn_rad`, was nudged: people knock things by up to 1 cm."""
     min_turn_rad: float = float(np.radians(5.0))
+    """As `min_shift_m`, for turning."""
     away_m: float = 0.03
     """The hand has let go of an object once it is this far from where it was on it."""
     hand_rest_m_s: float = 0.015
+    """A hand slower than this is at rest: it never stands quite still."""
     hand_rest_rad_s: float = 0.10
+    """As `hand_rest_m_s`, for turning."""
     hand_rest_s: float = 0.5
     """A retreat ends where the hand is this slow for this long."""
     max_retreat_s: float = 4.0
+    """No retreat takes longer; what the hand does later belongs to what follows."""
     rest_window_s: float = 2.0
     """A rest pose is taken from at most this long after, or before, a motion."""
 

@@ -25,9 +25,13 @@ class ShapeConfig:
     """
 
     floor_m: float = 0.003
+    """Standard deviation that sensors have, however many demonstrations there are."""
     floor_rad: float = float(np.radians(0.7))
+    """As `floor_m`, for turning."""
     prior_m: float = 0.02
+    """Standard deviation of what people do, as one demonstration leaves it; with n it counts by 1/n of its square."""
     prior_rad: float = float(np.radians(8.0))
+    """As `prior_m`, for turning."""
     prior_up_m: float = 0.005
     """In place of `prior_m` along the vertical, where one is given: what rests on something rests at its height."""
     quantile: float = 0.99
@@ -35,6 +39,7 @@ class ShapeConfig:
     stretch: float = 1.5
     """The radius grows up to this factor to take in the observations it is made from."""
     leave_factor: float = 1.3
+    """A predicate that holds is false beyond this many times its entering radii: noise at the rim does not toggle it."""
     free_rad: float = float(np.radians(35.0))
     """A turn about the vertical that spreads more than this (standard deviation) does not count."""
 

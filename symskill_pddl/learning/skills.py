@@ -33,6 +33,7 @@ class SkillConfig:
 
     fit: FitConfig = field(default_factory=FitConfig)
     still_m: float = 0.012
+    """As `still_rad`, for shifts."""
     still_rad: float = float(np.radians(8.0))
     """A stretch in which the hand moves less than this is a wait."""
     detour_m: float = 0.03
@@ -42,12 +43,17 @@ class SkillConfig:
     retreat_quantile: float = 0.25
     """Retreats are cut at this quantile of the distances they reach."""
     approach_m: tuple[float, float] = (0.004, 0.008)
+    """Bounds of the tolerance of an approach, which follows the spread of the demonstrated ends: fingers have 1 cm to spare."""
     approach_rad: tuple[float, float] = (float(np.radians(3.0)), float(np.radians(6.0)))
+    """As `approach_m`, for turning."""
     motion_m: tuple[float, float] = (0.006, 0.012)
+    """As `approach_m`, for motions: what is put down may lie a centimetre aside."""
     motion_rad: tuple[float, float] = (float(np.radians(3.0)), float(np.radians(7.0)))
+    """As `motion_m`, for turning."""
     retreat_m: tuple[float, float] = (0.02, 0.04)
+    """As `approach_m`, for retreats, which only have to be clear of the object."""
     retreat_rad: tuple[float, float] = (float(np.radians(8.0)), float(np.radians(15.0)))
-    """Bounds of the tolerances, which follow the spread of the demonstrated ends."""
+    """As `retreat_m`, for turning."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,39 @@
+from pathlib import Path
+
+import pytest
+
+from symskill_pddl.learning import LearnConfig
+from symskill_pddl.learning.parameters import parameters, table
+from symskill_pddl.learning.segments import SegmentConfig
+
+PAGE = Path(__file__).parents[2] / "docs" / "learning.md"
+
+
+def test_every_parameter_has_a_reason():
+    assert len(parameters()) > 60
+    assert [e.name for e in parameters() if len(e.reason) < 12] == []
+
+
+def test_the_document_holds_them_as_they_are():
+    assert table(parameters()) in PAGE.read_text(encoding="utf-8"), "run: python benchmarks/learning_parameters.py"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "unit"),
+    [
+        ("segments.enter_m_s", "0.02", "m/s"),
+        ("segments.min_turn_rad", "5", "deg"),
+        ("predicates.tilt_m_rad", "0.3", "m/rad"),
+        ("predicates.joint_shape.prior_rad", "2", "deg"),
+        ("operators.odd_of", "3", ""),
+        ("skills.approach_m", "0.004 to 0.008", "m"),
+    ],
+)
+def test_values_and_units(name, value, unit):
+    (found,) = [e for e in parameters() if e.name == name]
+    assert (found.value, found.unit) == (value, unit)
+
+
+def test_they_are_those_of_the_configuration_given():
+    changed = parameters(LearnConfig(segments=SegmentConfig(enter_m_s=0.5)))
+    assert [e.value for e in changed if e.name == "segments.enter_m_s"] == ["0.5"]
