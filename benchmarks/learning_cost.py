@@ -1,6 +1,6 @@
 """What learning costs, all stages, by number of demonstrations: ``python benchmarks/learning_cost.py [30 120 480] [-o FILE]``.
 
-Beyond the shipped demonstrations there are copies of them with every object shifted by half a millimetre, so that nothing is equal.
+Beyond the shipped demonstrations there are copies of them with every object shifted by half a millimetre: nothing is equal.
 """
 
 from __future__ import annotations
@@ -69,8 +69,17 @@ def measured(n: int) -> Cost:
 
 def rows(costs: Sequence[Cost]) -> Iterator[str]:
     """The table."""
-    yield "| demonstrations | minutes recorded | operators | symbols, CPU [s] | skills, CPU [s] | all, CPU [s] each | on the clock [s] |"
-    yield "|" + "---|" * 7
+    columns = (
+        "demonstrations",
+        "minutes recorded",
+        "operators",
+        "symbols, CPU [s]",
+        "skills, CPU [s]",
+        "CPU for each [s]",
+        "clock [s]",
+    )
+    yield f"| {' | '.join(columns)} |"
+    yield "|" + "---|" * len(columns)
     for c in costs:
         total = c.symbols_cpu_s + c.fits_cpu_s
         yield (
@@ -92,8 +101,8 @@ def main() -> None:
     head = [
         "# What learning costs",
         "",
-        f"Written by `python benchmarks/learning_cost.py {' '.join(map(str, args.numbers))}`: all stages, {JOBS} processes that fit",
-        "skills. CPU seconds count the work; the clock also counts what else the machine did at the time.",
+        f"Written by `python benchmarks/learning_cost.py {' '.join(map(str, args.numbers))}`: all stages, {JOBS} processes that",
+        "fit skills. CPU seconds count the work; the clock also counts what else the machine did at the time.",
         "",
     ]
     write_atomic(args.output, "\n".join([*head, *rows(costs), ""]).encode())
