@@ -2,8 +2,8 @@
 
     python benchmarks/demonstrator.py [--tasks T,...] [--first 0] [--seeds 100] [--jobs 1] [-o docs/benchmarks-kitchen.md]
 
-Each episode is recorded as `symskill record` does it, with what goes wrong on purpose: a pause, a second approach, a knock, a poor
-grasp. Episodes lie in the folder, one line each; called again it goes on where it was, and an episode counts as long as the
+Each episode is recorded as `symskill record` does it, with what goes wrong on purpose: a pause, a second approach, a knock,
+a poor grasp. Episodes lie in the folder, one line each; called again it goes on where it was, and they count as long as the
 kitchen's code is the same. The section is written anew after every seed. About 45 minutes on one core. Play takes half a minute
 an episode and is asked for on its own: `--tasks Play --seeds 10` adds a row.
 """
@@ -107,8 +107,8 @@ def page(found: list[Done]) -> str:
             "## The demonstrator",
             "",
             f"Written by `python benchmarks/demonstrator.py` on {machine()}.",
-            "Every seed counts, also those that `symskill record` drops. Pauses, second approaches, knocks and poor grasps are drawn",
-            "as in a recording.",
+            "Every seed counts, also those that `symskill record` drops. Pauses, second approaches, knocks and poor grasps are",
+            "drawn as in a recording.",
             "",
             "| task | seeds | successes | interval | median time [s] | what the judge missed |",
             "|---|---|---|---|---|---|",
