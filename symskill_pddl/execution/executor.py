@@ -162,7 +162,7 @@ class _Run:
         self.mind = Deliberation(domain, goal, objects, planner, library, config, self.body, self.belief, journal)
         self.replans = 0
         self.by_itself = False
-        """Whether the last step was left because what it was to bring about was there: the hand is in the middle of it."""
+        """Whether the last step was left in the middle: if the goal holds then, it came about by itself."""
 
     def closed_loop(self) -> tuple[Category, str]:
         """Until the goal holds."""
@@ -225,7 +225,7 @@ class _Run:
         while index < len(planned.steps):
             watch, run, attempt = self.prepare(planned, index)
             entry = len(self.body.path) - 1
-            verdict: Verdict = check_start(watch, self.body.state)
+            verdict: Verdict = (check := check_start(watch, self.body.state))
             self.announce(watch, verdict, run, attempt)
             if isinstance(verdict, Continue):
                 verdict = self.run_step(watch, run)
@@ -246,6 +246,7 @@ class _Run:
                     if (trouble := cause_of(verdict)) is not None:
                         self.journal.troubles.append(trouble)
                     self.belief.blame(watch, verdict)
+                    self.by_itself = isinstance(check, Continue)
                     if isinstance(verdict, Stalled) and verdict.blocked:
                         self.belief.held_up(watch.step, run.stage)
                         self.mind.retreat(verdict.reason, entry)

@@ -115,6 +115,25 @@ class TestDisturbances:
         assert "door-open" in outcome.steps[1].reason
         assert (outcome.cause, outcome.troubles) == (None, (Cause.EXTERNAL,))
 
+    def test_a_thing_that_falls_where_it_belongs_is_left_there(self):
+        world = FakeWorld(angle=1.5)
+        free = world.step
+
+        def slippery(command):
+            scene = free(command)
+            if world.grasp is not None and np.linalg.norm((world.cheese.p - CABINET)[:2]) < 0.14:
+                world.grasp, world.cheese = None, Pose(CABINET + np.array([0, 0, 0.05]), [1.0, 0, 0, 0])
+            return scene
+
+        world.step = slippery
+        outcome = run(world, config=ExecutionConfig(grace_s=0.1))
+        assert outcome.success
+        assert names(outcome) == ["pick-from-counter", "place-in-cabinet"]
+        assert outcome.troubles == (Cause.GRASP,)
+        assert outcome.recoveries == ("recover-leave",)
+        # the hand does not stay where it was about to let go
+        assert np.linalg.norm(world.ee.p - world.cheese.p) > 0.08
+
     def test_a_lost_grasp_blames_the_pick_which_is_resampled(self):
         world, lines = FakeWorld(angle=1.5), []
         outcome = run(world, on_step=when(world, "place-in-cabinet", world.drop, 0.2), on_event=lines.append)
