@@ -14,6 +14,7 @@ import argparse
 import os
 import platform
 import random
+import resource
 import statistics
 import sys
 import time
@@ -99,6 +100,9 @@ class Row:
     direct_ms: float | None
     cold_ms: float | None
     warm_ms: float | None
+    cold_cpu_ms: float | None = None
+    warm_cpu_ms: float | None = None
+    """Processor time, of this process and of the programs it started: other work on the machine changes it little."""
 
 
 @dataclass(frozen=True)
@@ -158,18 +162,32 @@ def overhead(domain: Domain, problem: Problem, task: str, size: int) -> Overhead
     return Overhead(task, size, len(plan), median(cold), median(lambda: warm.solve(problem.init, problem.goal)))
 
 
-def medians_ms(calls: Sequence[Callable[[], bool]]) -> list[float | None]:
+def processor_s() -> float:
+    """Processor time of this process and of its children that have ended [s]."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(u.ru_utime + u.ru_stime for u in used)
+
+
+Times = tuple[float | None, float | None]
+"""Medians by the clock and by the processor [ms]."""
+
+
+def medians_ms(calls: Sequence[Callable[[], bool]]) -> list[Times]:
     """Of several rounds in which each call has its turn, so that other work on the machine slows all alike."""
-    times: list[list[float]] = [[] for _ in calls]
+    times: list[list[tuple[float, float]]] = [[] for _ in calls]
     failed = [False] * len(calls)
     for _ in range(REPEATS):
         for i, call in enumerate(calls):
-            if failed[i] or sum(times[i]) > 1.0:
+            if failed[i] or sum(wall for wall, _ in times[i]) > 1.0:
                 continue
-            start = time.perf_counter()
+            start, used = time.perf_counter(), processor_s()
             failed[i] = not call()
-            times[i].append(time.perf_counter() - start)
-    return [None if bad else 1000.0 * statistics.median(t) for bad, t in zip(failed, times, strict=True)]
+            times[i].append((time.perf_counter() - start, processor_s() - used))
+    found: list[Times] = []
+    for bad, measured in zip(failed, times, strict=True):
+        wall, used = (1000.0 * statistics.median(column) for column in zip(*measured, strict=True))
+        found.append((None, None) if bad else (wall, used))
+    return found
 
 
 def measure(planner: Planner, domain: Domain, problem: Problem, task: str, size: int) -> Row:
@@ -186,21 +204,22 @@ def measure(planner: Planner, domain: Domain, problem: Problem, task: str, size:
     open_.solve(problem.init, problem.goal, limits)
     dialect = "strips" if planner.name == "pyperplan" else "negative"
     texts = write_domain(domain, dialect=dialect), write_problem(problem, domain, dialect=dialect)
-    direct = DIRECT.get(planner.name)
+    engine = DIRECT.get(planner.name)
 
     def cold() -> bool:
         text_of.cache_clear()
         exported.cache_clear()
         return planner.solve(domain, problem, limits).status is Status.SOLVED
 
-    cold_ms, warm_ms, *direct_ms = medians_ms(
+    (cold_ms, cold_cpu), (warm_ms, warm_cpu), *direct_ms = medians_ms(
         [
             cold,
             lambda: open_.solve(next(drawn), problem.goal, limits).status is Status.SOLVED,
-            *([lambda: direct(*texts, LIMIT_S) is not None] if direct else []),
+            *([lambda: engine(*texts, LIMIT_S) is not None] if engine else []),
         ]
     )
-    return Row(planner.name, result.planner, task, size, len(result.plan), *(direct_ms or [None]), cold_ms, warm_ms)
+    direct = direct_ms[0][0] if direct_ms else None
+    return Row(planner.name, result.planner, task, size, len(result.plan), direct, cold_ms, warm_ms, cold_cpu, warm_cpu)
 
 
 Tasks = dict[str, tuple[Domain, Callable[[int], Problem]]]
@@ -220,7 +239,7 @@ def all_tasks() -> Tasks:
 
 def rows(tasks: Tasks) -> Iterator[Row]:
     """All measurements, planner by planner."""
-    for planner in (Auto(), *(p for p in planners() if p.name != "builtin-optimal")):
+    for planner in (p for p in planners() if p.name != "builtin-optimal"):
         for task, (domain, make) in tasks.items():
             for size in SIZES:
                 row = measure(planner, domain, make(size), task, size)
@@ -239,9 +258,15 @@ def figures(found: Sequence[Row], added: Sequence[Overhead]) -> list[str]:
 
     def best(kind: str, size: int, task: str) -> str:
         timed = [(value, r.planner) for r in found if (r.size, r.task) == (size, task) and (value := getattr(r, kind))]
-        return "no plan" if not timed else f"{cell(min(timed)[0])} ({min(timed)[1]})"
+        if not timed:
+            return "no plan"
+        value, planner = min(timed)
+        row = next(r for r in found if (r.planner, r.size, r.task) == (planner, size, task))
+        return f"{cell(value)} by {planner} ({cell(getattr(row, kind.replace('_ms', '_cpu_ms')))})"
 
-    lines = ["| best engine, ms | at most | " + " | ".join(names := list(dict.fromkeys(r.task for r in found))) + " |"]
+    lines = [
+        "| best engine, ms (processor) | at most | " + " | ".join(names := list(dict.fromkeys(r.task for r in found))) + " |"
+    ]
     lines.append("|---|---|" + "---|" * len(names))
     for what, kind, size, most in (
         ("cold, 20 things", "cold_ms", 20, 20),

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property, lru_cache
+from itertools import count
 from pathlib import Path
 from typing import Literal, Self
 
@@ -338,6 +339,6 @@ def _variables(op: Operator) -> list[str]:
     return list(dict.fromkeys([*(p.name for p in op.parameters), *(p.name for a in sorted(op.absent) for p in a.over)]))
 
 
-def _free(name: str, taken: Iterable[str]) -> str:
-    taken = set(taken)
-    return next(n for n in (name, *(f"{name}-{i}" for i in range(1, len(taken) + 2))) if n not in taken)
+def _free(name: str, taken: Collection[str]) -> str:
+    """`name`, or the first of name-1, name-2, ... that is not taken."""
+    return name if name not in taken else next(n for i in count(1) if (n := f"{name}-{i}") not in taken)
