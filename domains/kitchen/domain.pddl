@@ -127,10 +127,6 @@
     ; not turned, give or take 2.5 x 2.5 x 2.5 deg
     ; false again beyond 1.3 times that
     (lever-unturned ?lever - lever ?sink - sink)
-    ; where food-in-cookware is false for every food
-    (none-food-in-cookware ?cookware - cookware)
-    ; where food-on-container is false for every food
-    (none-food-on-container ?container - container)
   )
 
   ; reach, learned from 10 episodes in 10 demonstrations; took 3.8 s on average, 4.6 s at most
@@ -398,7 +394,6 @@
       (gripper-open))
     :effect (and
       (gripper-holds-food ?food)
-      (none-food-in-cookware ?cookware)
       (not (food-in-cookware ?food ?cookware))
       (not (gripper-open))))
 
@@ -419,7 +414,6 @@
       (gripper-open))
     :effect (and
       (gripper-holds-food ?food)
-      (none-food-on-container ?container)
       (not (food-on-container ?food ?container))
       (not (gripper-open))))
 
@@ -472,17 +466,14 @@
   ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
   ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
   ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
-  ; added precondition: no food with (food-in-cookware ?other ?cookware), as in all its demonstrations
   (:action place-food-in-cookware
     :parameters (?food - food ?cookware - cookware)
     :precondition (and
-      (gripper-holds-food ?food)
-      (none-food-in-cookware ?cookware))
+      (gripper-holds-food ?food))
     :effect (and
       (food-in-cookware ?food ?cookware)
       (gripper-open)
-      (not (gripper-holds-food ?food))
-      (not (none-food-in-cookware ?cookware))))
+      (not (gripper-holds-food ?food))))
 
   ; place, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 8.0 s at most
   ; skill place-food-on-container
@@ -494,17 +485,14 @@
   ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
   ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
   ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
-  ; added precondition: no food with (food-on-container ?other ?container), as in all its demonstrations
   (:action place-food-on-container
     :parameters (?food - food ?container - container)
     :precondition (and
-      (gripper-holds-food ?food)
-      (none-food-on-container ?container))
+      (gripper-holds-food ?food))
     :effect (and
       (food-on-container ?food ?container)
       (gripper-open)
-      (not (gripper-holds-food ?food))
-      (not (none-food-on-container ?container))))
+      (not (gripper-holds-food ?food))))
 
   ; place, learned from 10 episodes in 10 demonstrations; took 7.6 s on average, 9.9 s at most
   ; skill place-food-on-counter

@@ -33,8 +33,6 @@
     (knob-unturned knob-1 stove-1)
     (knob-unturned knob-2 stove-2)
     (lever-unturned lever-1 sink-1)
-    (none-food-in-cookware pan-2)
-    (none-food-on-container plate)
   )
   (:goal (and
     (door-closed door-1 cabinet-1)

@@ -26,7 +26,6 @@
     (gripper-open)
     (knob-unturned knob-1 stove-1)
     (lever-unturned lever-1 sink-1)
-    (none-food-in-cookware pan)
   )
   (:goal (and
     (drawer-open drawer-1 drawer-unit-1)

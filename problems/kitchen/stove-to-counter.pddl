@@ -26,7 +26,6 @@
     (gripper-open)
     (knob-unturned knob-1 stove-1)
     (lever-unturned lever-1 sink-1)
-    (none-food-on-container plate)
   )
   (:goal (and
     (food-on-container can plate)))

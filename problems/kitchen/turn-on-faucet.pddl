@@ -26,8 +26,6 @@
     (gripper-open)
     (knob-unturned knob-1 stove-1)
     (lever-unturned lever-1 sink-1)
-    (none-food-in-cookware pan)
-    (none-food-on-container plate)
   )
   (:goal (and
     (lever-turned lever-1 sink-1)))

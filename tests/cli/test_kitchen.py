@@ -34,7 +34,7 @@ def kitchen(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_examples_in_the_repository_are_what_the_commands_make(tmp_path: Path) -> None:
     environment = {**os.environ, "SYMSKILL": str(Path(sys.executable).parent / "symskill")}
     subprocess.run([ROOT / "scripts" / "make_examples.sh", tmp_path], check=True, env=environment, capture_output=True)
-    for folder in ("domains/kitchen", "problems/kitchen"):
+    for folder in ("domains/kitchen", "domains/play", "problems/kitchen", "problems/play"):
         made, stored = (
             sorted(str(p.relative_to(root / folder)) for p in (root / folder).rglob("*.*")) for root in (tmp_path, ROOT)
         )

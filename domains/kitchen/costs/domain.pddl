@@ -2,7 +2,7 @@
 ; This file may be edited by hand; `symskill check` says what an edit means.
 ; costs are in 1/100 of the unit that they were learned in
 (define (domain kitchen)
-  (:requirements :strips :typing :negative-preconditions :universal-preconditions :action-costs)
+  (:requirements :strips :typing :action-costs)
   (:types
     ; fits a box of 30 x 38 x 50 cm
     cabinet - object
@@ -485,12 +485,10 @@
   ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
   ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
   ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
-  ; added precondition: no food with (food-in-cookware ?other ?cookware), as in all its demonstrations
   (:action place-food-in-cookware
     :parameters (?food - food ?cookware - cookware)
     :precondition (and
-      (gripper-holds-food ?food)
-      (forall (?other - food) (not (food-in-cookware ?other ?cookware))))
+      (gripper-holds-food ?food))
     :effect (and
       (food-in-cookware ?food ?cookware)
       (gripper-open)
@@ -507,12 +505,10 @@
   ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
   ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
   ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
-  ; added precondition: no food with (food-on-container ?other ?container), as in all its demonstrations
   (:action place-food-on-container
     :parameters (?food - food ?container - container)
     :precondition (and
-      (gripper-holds-food ?food)
-      (forall (?other - food) (not (food-on-container ?other ?container))))
+      (gripper-holds-food ?food))
     :effect (and
       (food-on-container ?food ?container)
       (gripper-open)

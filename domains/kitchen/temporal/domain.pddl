@@ -1,7 +1,7 @@
 ; Learned from demonstrations by symskill. What a predicate means geometrically stands above it.
 ; This file may be edited by hand; `symskill check` says what an edit means.
 (define (domain kitchen)
-  (:requirements :strips :typing :negative-preconditions :universal-preconditions :durative-actions)
+  (:requirements :strips :typing :durative-actions)
   (:types
     ; fits a box of 30 x 38 x 50 cm
     cabinet - object
@@ -542,14 +542,12 @@
   ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
   ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
   ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
-  ; added precondition: no food with (food-in-cookware ?other ?cookware), as in all its demonstrations
   (:durative-action place-food-in-cookware
     :parameters (?food - food ?cookware - cookware)
     :duration (= ?duration 6)
     :condition (and
       (at start (arm-free))
-      (at start (gripper-holds-food ?food))
-      (at start (forall (?other - food) (not (food-in-cookware ?other ?cookware)))))
+      (at start (gripper-holds-food ?food)))
     :effect (and
       (at start (not (arm-free)))
       (at end (arm-free))
@@ -567,14 +565,12 @@
   ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
   ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
   ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
-  ; added precondition: no food with (food-on-container ?other ?container), as in all its demonstrations
   (:durative-action place-food-on-container
     :parameters (?food - food ?container - container)
     :duration (= ?duration 6.2)
     :condition (and
       (at start (arm-free))
-      (at start (gripper-holds-food ?food))
-      (at start (forall (?other - food) (not (food-on-container ?other ?container)))))
+      (at start (gripper-holds-food ?food)))
     :effect (and
       (at start (not (arm-free)))
       (at end (arm-free))
