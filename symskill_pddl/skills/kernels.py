@@ -13,43 +13,42 @@ from numba import njit
 
 
 @njit(cache=True)
-def _linear_systems(e, whitening, offset, log_scale, matrices, pace, out):  # type: ignore[no-untyped-def]
+def _linear_systems(e, whitening, offset, log_scale, matrices, pace, logits, out):  # type: ignore[no-untyped-def]
     """out (3,) = sum_k gamma_k(e) A_k e, scaled down to the speed cap sum_k gamma_k(e) pace_k."""
     K = len(log_scale)
-    logits = np.empty(K)
+    x, y, z = e[0], e[1], e[2]
     highest = -np.inf
     for k in range(K):
-        total = 0.0
-        for i in range(3 * k, 3 * k + 3):
-            z = whitening[i, 0] * e[0] + whitening[i, 1] * e[1] + whitening[i, 2] * e[2] - offset[i]
-            total += z * z
-        logits[k] = log_scale[k] - 0.5 * total
+        i = 3 * k
+        a = whitening[i, 0] * x + whitening[i, 1] * y + whitening[i, 2] * z - offset[i]
+        b = whitening[i + 1, 0] * x + whitening[i + 1, 1] * y + whitening[i + 1, 2] * z - offset[i + 1]
+        c = whitening[i + 2, 0] * x + whitening[i + 2, 1] * y + whitening[i + 2, 2] * z - offset[i + 2]
+        logits[k] = log_scale[k] - 0.5 * (a * a + b * b + c * c)
         highest = max(highest, logits[k])
-    weights = 0.0
+    total = cap = u = v = w = 0.0
     for k in range(K):
-        logits[k] = exp(logits[k] - highest)
-        weights += logits[k]
-    out[:] = 0.0
-    cap = 0.0
-    for k in range(K):
-        gamma = logits[k] / weights
-        cap += gamma * pace[k]
-        A = matrices[k]
-        for i in range(3):
-            out[i] += gamma * (A[i, 0] * e[0] + A[i, 1] * e[1] + A[i, 2] * e[2])
-    speed = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2])
+        if logits[k] > highest - 50.0:  # what is left out is lost in rounding
+            gamma = exp(logits[k] - highest)
+            A = matrices[k]
+            total += gamma
+            cap += gamma * pace[k]
+            u += gamma * (A[0, 0] * x + A[0, 1] * y + A[0, 2] * z)
+            v += gamma * (A[1, 0] * x + A[1, 1] * y + A[1, 2] * z)
+            w += gamma * (A[2, 0] * x + A[2, 1] * y + A[2, 2] * z)
+    scale = 1.0 / total
+    speed = sqrt(u * u + v * v + w * w)
     if speed > cap:
-        for i in range(3):
-            out[i] *= cap / speed
+        scale *= cap / speed
+    out[0], out[1], out[2] = scale * u, scale * v, scale * w
 
 
 @njit(cache=True)
 def velocities(e, lpv):  # type: ignore[no-untyped-def]
     """Velocities (n, 3) of linear systems at errors (n, 3)."""
     whitening, offset, log_scale, matrices, pace = lpv
-    out = np.empty(e.shape)
+    out, logits = np.empty(e.shape), np.empty(len(pace))
     for i in range(len(e)):
-        _linear_systems(e[i], whitening, offset, log_scale, matrices, pace, out[i])
+        _linear_systems(e[i], whitening, offset, log_scale, matrices, pace, logits, out[i])
     return out
 
 
@@ -96,7 +95,8 @@ def twists(p, q, position, goal_p, P, orientation, goal_q, pairing, widths):  # 
     reach, turn, difference = pairing
     lead_width, lag_width, least = widths
     out = np.empty((len(p), 6))
-    e_p, e_q = np.empty(3), np.empty(3)
+    e_p, e_q, v, omega = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    logits = np.empty(max(len(position[4]), len(orientation[4])))
     for i in range(len(p)):
         square = 0.0
         for j in range(3):
@@ -105,14 +105,14 @@ def twists(p, q, position, goal_p, P, orientation, goal_q, pairing, widths):  # 
             square += e_p[j] * (P[j, 0] * e_p[0] + P[j, 1] * e_p[1] + P[j, 2] * e_p[2])
         _rotation_error(q[i], goal_q, e_q)
         angle = sqrt(e_q[0] * e_q[0] + e_q[1] * e_q[1] + e_q[2] * e_q[2])
-        _linear_systems(e_p, position[0], position[1], position[2], position[3], position[4], out[i, :3])
-        _linear_systems(e_q, orientation[0], orientation[1], orientation[2], orientation[3], orientation[4], out[i, 3:])
+        _linear_systems(e_p, position[0], position[1], position[2], position[3], position[4], logits, v)
+        _linear_systems(e_q, orientation[0], orientation[1], orientation[2], orientation[3], orientation[4], logits, omega)
         ahead = lead(sqrt(max(square, 0.0)), angle, reach, turn, difference)
         slower = min(max(1.0 + ahead / lag_width, least), 1.0)
         waits = min(max(1.0 - ahead / lead_width, 0.0), 1.0)
         for j in range(3):
-            out[i, j] *= slower
-            out[i, 3 + j] *= waits
+            out[i, j] = slower * v[j]
+            out[i, 3 + j] = waits * omega[j]
     return out
 
 
@@ -156,11 +156,12 @@ def ways(starts, lpv, steps, stride, near, turning):  # type: ignore[no-untyped-
     whitening, offset, log_scale, matrices, pace = lpv
     out = np.empty((len(starts), steps + 1, 3))
     v, q, moved, unturned = np.empty(3), np.empty(4), np.empty(4), np.array([1.0, 0.0, 0.0, 0.0])
+    logits = np.empty(len(pace))
     for i in range(len(starts)):
         out[i, 0] = starts[i]
         for t in range(steps):
             e = out[i, t]
-            _linear_systems(e, whitening, offset, log_scale, matrices, pace, v)
+            _linear_systems(e, whitening, offset, log_scale, matrices, pace, logits, v)
             speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
             left = near * sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
             scale = min(stride, left) / max(speed, 1e-300)

@@ -126,7 +126,7 @@ def _split(whole: _Part, config: FitConfig) -> list[_Part]:
 
 def _rough(config: FitConfig) -> FitConfig:
     """The search for a place to cut needs no more than rough fits; what it finds is fitted anew."""
-    return replace(config, max_components=min(3, config.max_components), samples=min(40, config.samples))
+    return replace(config, components=config.components or min(2, config.max_components), samples=min(40, config.samples))
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from symskill_pddl.errors import InputError
+from symskill_pddl.errors import CertificateError, InputError
 from symskill_pddl.geometry import Pose, quat_exp, quat_log, quat_multiply
 from symskill_pddl.skills import Certificate, Field, FitConfig, OrientationField, Trajectory, fit_fields, rollout
 from symskill_pddl.skills.field import fit_field
@@ -235,3 +235,38 @@ def test_a_turn_in_place_does_not_wait_for_a_position_that_is_held():
     p = turning.T_goal.p + np.array([0.004, 0.0, 0.0])
     for angle in (1.5, 1.0, 0.5, 0.1):
         assert turning.twist(Pose(p, quat_exp([0.0, 0.0, angle])))[5] < -0.2, angle
+
+
+@pytest.mark.parametrize(
+    ("matrix", "message"),
+    [
+        (0.5 * np.eye(3), r"A\^T P \+ P A is not negative definite, rate -0\.5 1/s"),
+        (-60.0 * np.eye(3), r"explicit Euler at 0\.05 s grows the error by 2, not below 1"),
+        (np.full((3, 3), np.nan), "the fitted matrices are not finite"),
+    ],
+)
+def test_a_fit_that_cannot_be_certified_says_which_condition_fails_and_by_how_much(reaches, monkeypatch, matrix, message):
+    # whatever the solver claims, the certificate looks at the numbers themselves
+    def solver(x, v, weights, *others, **more):
+        return np.stack([matrix] * weights.shape[1])
+
+    monkeypatch.setattr("symskill_pddl.skills.convex.fit_matrices", solver)
+    with pytest.raises(CertificateError, match=message):
+        fit_fields(reaches)
+
+
+def test_a_hundred_times_the_units_give_the_same_rollout(reaches):
+    large = [Trajectory(t.times, Pose(100 * t.T_frame_ee.p, t.T_frame_ee.q)) for t in reaches]
+    config = FitConfig(max_fields=1)
+    (one,) = fit_fields(reaches, config)
+    changed = {"min_motion_m": 100 * config.min_motion_m, "min_speed_m_s": 100 * config.min_speed_m_s}
+    changed |= {
+        "tolerance_m": 100 * config.tolerance_m,
+        "disturbance_m": 100 * config.disturbance_m,
+        "final_m": 100 * config.final_m,
+    }
+    (two,) = fit_fields(large, replace(config, **changed))
+    start = reaches[0].T_frame_ee[[0]]
+    way, other = rollout(one, start, 6.0, 0.05), rollout(two, Pose(100 * start.p, start.q), 6.0, 0.05)
+    assert np.allclose(100 * way.p, other.p, atol=1e-2)
+    assert np.allclose(np.abs((way.q * other.q).sum(-1)), 1.0, atol=1e-6)
