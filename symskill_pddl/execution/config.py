@@ -26,6 +26,8 @@ class MotionConfig:
     avoid, obstacle_limit, obstacle_clearance
         Whether to flow around other objects; the largest half size [m] of a type taken for an obstacle (walls and fixtures
         are no ellipsoids); what is added to the half sizes for the hand's own [m].
+    hand : (float, float)
+        Width of the hand along the opening of the fingers, and its length from the finger tips back [m].
     """
 
     max_speed: float = 0.6
@@ -41,6 +43,7 @@ class MotionConfig:
     avoid: bool = True
     obstacle_limit: float = 0.15
     obstacle_clearance: float = 0.04
+    hand: tuple[float, float] = (0.16, 0.15)
 
     def __post_init__(self) -> None:
         for name in ("max_speed", "max_turn", "settle_speed", "settle_max_s", "rest_speed", "rest_turn", "rest_s"):

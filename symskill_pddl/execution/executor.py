@@ -317,10 +317,17 @@ class _Run:
             radius = min(config.sample_most, attempt * config.sample_growth)
             shift = goal_shift(step, skill, binding, self.library.classifiers, self.body.scene, self.rng, radius)
         spared = frozenset(step.args) | self.belief.held(state)
-        avoided = None
+        avoided = strange = None
         if config.motion.avoid and self.extents:
-            avoided = Obstacles(self.body.scene.objects, self.extents, spared, config.motion, self.body.velocities)
-        run = SkillRun(skill, binding, self.body.scene, config.motion, shift=shift, first=first, obstacles=avoided)
+            objects, shown = self.body.scene.objects, {t.name for t in self.library.types}
+            known = {kind: half for kind, half in self.extents.items() if kind in shown}
+            other = {kind: half for kind, half in self.extents.items() if kind not in shown}
+            avoided = Obstacles(objects, known, spared, config.motion, self.body.velocities)
+            if any(kind in other for kind in objects.values()):
+                strange = Obstacles(objects, other, spared, config.motion, self.body.velocities, whole_hand=True)
+        run = SkillRun(
+            skill, binding, self.body.scene, config.motion, shift=shift, first=first, obstacles=avoided, strange=strange
+        )
         # what is hinged or slides cannot be dropped, and the hand may let go of it and push on
         hinged_s = learned.duration_s[1] if learned.kind == "move" else 0.0
         watch = Watch(

@@ -71,8 +71,9 @@ class SkillRun:
         A frame and the transform of all fields that live in it (resampled goal).
     first : int
         The phase to begin with.
-    obstacles : callable
-        The obstacles of a scene.
+    obstacles, strange : callable
+        The obstacles of a scene: those that the demonstrations knew, which do not count where they stand around the goal, and
+        others.
 
     Raises
     ------
@@ -90,6 +91,7 @@ class SkillRun:
         shift: tuple[str, Pose] | None = None,
         first: int = 0,
         obstacles: Callable[[Scene], Superellipsoids] | None = None,
+        strange: Callable[[Scene], Superellipsoids] | None = None,
     ) -> None:
         for phase in skill.phases:
             if phase.frame not in binding:
@@ -97,7 +99,7 @@ class SkillRun:
                     f"the skill has a phase in frame '{phase.frame}', the operator's parameters are {alternatives(binding)}"
                 )
         self._skill, self._binding, self._config = skill, binding, config
-        self._shift, self._obstacles = shift, obstacles
+        self._shift, self._obstacles, self._strange = shift, obstacles, strange
         self._fingers = Fingers(scene, config)
         self._stage, self._stage_since = first, scene.time
         self._rest_since = scene.time
@@ -196,7 +198,11 @@ class SkillRun:
             return nominal
         phase = self._skill.phases[min(self._stage, self.phases - 1)]
         goal = phase.goal_p(*self._frame(phase, scene))
-        return np.concatenate([modulate(nominal[:3], scene.T_world_ee.p, self._obstacles(scene), goal=goal), nominal[3:]])
+        bent = modulate(nominal[:3], scene.T_world_ee.p, self._obstacles(scene), goal=goal)
+        if self._strange is not None:
+            # what stands on the goal is waited for
+            bent = modulate(bent, scene.T_world_ee.p, self._strange(scene))
+        return np.concatenate([bent, nominal[3:]])
 
 
 class Obstacles:
@@ -214,6 +220,9 @@ class Obstacles:
         Objects to leave out: the step's arguments and what is held.
     velocities : callable
         The present velocities (n, 3) [m/s] of the scene's objects.
+    whole_hand : bool
+        Whether the hand is led with its whole length, not only with the point between its fingers. The demonstrated motions clear
+        what was there with the whole hand; they know nothing of other things.
     """
 
     def __init__(
@@ -223,6 +232,7 @@ class Obstacles:
         spared: frozenset[str],
         config: MotionConfig,
         velocities: Callable[[], Array] | None = None,
+        whole_hand: bool = False,
     ) -> None:
         def small(name: str, kind: str) -> bool:
             return name not in spared and kind in extents and max(extents[kind]) <= config.obstacle_limit
@@ -232,7 +242,16 @@ class Obstacles:
         self._rows = np.array([i for i, _, _ in rows], dtype=np.intp)
         self._radii = 1.3 * np.array([extents[kind] for _, _, kind in rows]).reshape(-1, 3) + config.obstacle_clearance
         self._velocities = velocities
+        self._whole_hand = whole_hand
+        width, length = config.hand
+        self._core = np.array([[0.0, -width / 2, -length], [0.0, width / 2, 0.0]])
 
     def __call__(self, scene: Scene) -> Superellipsoids:
         velocity = np.zeros(self._radii.shape) if self._velocities is None else self._velocities()[self._rows]
-        return Superellipsoids(scene.T_world_objects[self._rows], self._radii, velocity)
+        T_world = scene.T_world_objects[self._rows]
+        if self._whole_hand:
+            # as near to the point that is led as it is to the nearest point of the hand
+            hand = scene.T_world_ee
+            nearest = np.clip(hand.inverse().apply(T_world.p), *self._core)
+            T_world = Pose(T_world.p - hand.rotate(nearest), T_world.q)
+        return Superellipsoids(T_world, self._radii, velocity)

@@ -147,6 +147,19 @@ def test_obstacles_are_the_small_things_one_has_nothing_to_do_with():
     assert np.allclose(moving.velocity, [[0.1, 0, 0]])
 
 
+def test_around_a_strange_thing_the_whole_hand_counts():
+    scene = FakeWorld(ee=Pose([0.4, -0.4, 0.3], DOWN)).observe()
+    extents = {"food": (0.02, 0.02, 0.02)}
+    # beside the wrist: 10 cm above the finger tips, 12 cm to the side along the opening of the fingers
+    y = scene.T_world_ee.rotate(np.array([0, 1.0, 0]))
+    scene = replace(scene, T_world_objects=Pose.stack([Pose(scene.T_world_ee.p + [0, 0, 0.1] + 0.12 * y, [1.0, 0, 0, 0])] * 4))
+    known = Obstacles(OBJECTS, extents, frozenset(), CONFIG)(scene)
+    strange = Obstacles(OBJECTS, extents, frozenset(), CONFIG, whole_hand=True)(scene)
+    assert np.allclose(known.T_world.p - scene.T_world_ee.p, [0, 0, 0.1] + 0.12 * y)
+    # 12 cm to the side less half of the hand's width
+    assert np.allclose(strange.T_world.p - scene.T_world_ee.p, 0.04 * y)
+
+
 def test_an_unbound_frame_is_refused():
     with pytest.raises(InputError, match=r"frame '\?food', the operator's parameters are \?thing"):
         SkillRun(PICK, {"?thing": "cheese"}, FakeWorld().observe(), CONFIG)
