@@ -56,7 +56,7 @@ class Field:
         from symskill_pddl.skills.kernels import twists
 
         # copies: one memory layout, compiled once
-        out: Array = twists(np.array(p).reshape(-1, 3), np.array(q).reshape(-1, 4), *self.arrays)
+        out: Array = twists(np.array(p, order="C").reshape(-1, 3), np.array(q, order="C").reshape(-1, 4), *self.arrays)
         return out.reshape(*p.shape[:-1], 6)
 
     @cached_property

@@ -16,7 +16,13 @@ def rollout(field: Field, T_start: Pose, duration_s: float, period_s: float) -> 
 
     n = T_start.shape
     steps = int(np.ceil(duration_s / period_s))
-    p, q = rollouts(np.array(T_start.p).reshape(-1, 3), np.array(T_start.q).reshape(-1, 4), steps, period_s, field.arrays)
+    p, q = rollouts(
+        np.array(T_start.p, order="C").reshape(-1, 3),
+        np.array(T_start.q, order="C").reshape(-1, 4),
+        steps,
+        period_s,
+        field.arrays,
+    )
     return Pose(p.reshape(*n, steps + 1, 3), q.reshape(*n, steps + 1, 4))
 
 

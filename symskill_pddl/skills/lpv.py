@@ -52,7 +52,7 @@ class Lpv:
         """Velocity (..., 3) at errors e (..., 3); zero exactly at e = 0."""
         from symskill_pddl.skills.kernels import velocities
 
-        out: Array = velocities(np.array(e).reshape(-1, 3), self.arrays)
+        out: Array = velocities(np.array(e, order="C").reshape(-1, 3), self.arrays)
         return out.reshape(e.shape)
 
     @property
@@ -150,7 +150,7 @@ def rollout(lpv: Lpv, starts: Array, shown: Array, config: FitConfig, turning: b
 
     length = np.linalg.norm(np.diff(shown, axis=1), axis=-1).sum(1).max()
     # even strides while far, a part of the distance when near: the speed cap does not bend the way
-    out: Array = ways(np.array(starts), lpv.arrays, 90, length / 60, config.gain_hz * config.period_s, turning)
+    out: Array = ways(np.array(starts, order="C"), lpv.arrays, 90, length / 60, config.gain_hz * config.period_s, turning)
     return out
 
 

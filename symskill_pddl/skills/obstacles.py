@@ -129,7 +129,7 @@ def modulate(
     InputError
         If locality or rate are not positive, or shapes do not fit.
     """
-    v, x = np.array(velocity, dtype=np.float64), np.array(x, dtype=np.float64)  # copies: one memory layout, compiled once
+    v, x = (np.array(a, dtype=np.float64, order="C") for a in (velocity, x))  # copies: one memory layout, compiled once
     if not (locality > 0 and rate_hz > 0):
         raise InputError(f"a modulation needs a positive locality and rate_hz, got {locality!r} and {rate_hz!r}")
     if v.shape != x.shape or v.shape[-1:] != (3,):

@@ -45,7 +45,7 @@ class OrientationField:
         """Rotation vector (..., 3) [rad] from the goal to q (..., 4), in the axes of the field's frame."""
         from symskill_pddl.skills.kernels import rotation_errors
 
-        q = np.array(q, dtype=np.float64)
+        q = np.array(q, dtype=np.float64, order="C")
         out: Array = rotation_errors(q.reshape(-1, 4), self.goal)
         return out.reshape(*q.shape[:-1], 3)
 

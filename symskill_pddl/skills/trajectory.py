@@ -188,7 +188,7 @@ def _moving(x: Array, fraction: float, least: float) -> list[int] | None:
     extent = float(np.linalg.norm(x - x[-1], axis=-1).max())
     if extent < least:
         return None
-    kept: list[int] = moving(np.array(x), fraction * extent).tolist()
+    kept: list[int] = moving(np.array(x, order="C"), fraction * extent).tolist()
     last = len(x) - 1
     if kept[-1] != last:
         # what follows the last kept sample is within the band: the end replaces it, unless it is the start
