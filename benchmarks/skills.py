@@ -274,6 +274,9 @@ _NOTES = """\
   rotations that never wait. By its own alignment, as positions are measured, the orientation keeps the bound.
 - Where several obstacles overlap without a point that all share, they can make a pit; a field has no memory to leave it by.
   Of 1,680 random starts among such chains two stay in one. Nothing is entered there either.
+- With splitting counted, choosing the fields of nine demonstrations takes 0.7 to 1.1 s, above 1 s for two of the five tasks.
+- Ten obstacles heaped within 15 cm of each other and of the hand take about 120 us, twice the bound; spread out, as in the
+  table, they keep it.
 """
 
 
