@@ -21,14 +21,15 @@
     plate - container
     butter - food
     pan-2 - cookware
+    plate-2 - container
   )
   (:init
     (door-closed door-1 cabinet-1)
     (drawer-closed drawer-1 drawer-unit-1)
     (food-in-cabinet cheese cabinet-1)
     (food-in-cookware can pan)
+    (food-on-container butter plate-2)
     (food-on-counter bread counter-1)
-    (food-on-counter butter counter-1)
     (gripper-open)
     (knob-unturned knob-1 stove-1)
     (knob-unturned knob-2 stove-2)

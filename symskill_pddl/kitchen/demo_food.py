@@ -60,9 +60,11 @@ def to_plate(hand: Hand, food: str) -> None:
 
 
 def to_pan(hand: Hand, food: str, pan: str = "pan") -> None:
-    """From the plate, or the counter, into the pan."""
-    on_plate = np.linalg.norm((hand.scene.pose(food).p - hand.scene.pose("plate").p)[:2]) < PLATE.half[0]
-    _into_dish(hand, food, "plate" if on_plate else None, pan)
+    """From a plate, or the counter, into the pan."""
+    plates = [name for name, kind in hand.scene.objects.items() if kind == "container"]
+    p = hand.scene.pose(food).p
+    start = next((name for name in plates if np.linalg.norm((p - hand.scene.pose(name).p)[:2]) < PLATE.half[0]), None)
+    _into_dish(hand, food, start, pan)
 
 
 def _into_dish(hand: Hand, food: str, start: str | None, dish: str) -> None:

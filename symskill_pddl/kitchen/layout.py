@@ -211,11 +211,12 @@ KITCHEN = SceneLayout(
 """The kitchen of the atomic tasks."""
 DINNER = SceneLayout(
     "dinner",
-    KITCHEN.units | {"stove-2": Unit("stove", "stove", Box((0.54, -0.305, 0.003), STOVE.half))},
+    KITCHEN.units
+    | {f"stove{i}": Unit("stove", "stove", Box((0.54, y, 0.003), STOVE.half)) for i, y in (("", -0.18), ("-2", -0.365))},
     KITCHEN.parts | {"knob-2": PARTS["knob-2"]},
-    KITCHEN.loose | {"butter": loose.BUTTER, "pan-2": loose.PAN},
+    KITCHEN.loose | {"butter": loose.BUTTER, "pan-2": loose.PAN, "plate-2": loose.PLATE},
 )
-"""The same with a second hob beside the first, a pan on it, and one more food, for the longest goal."""
+"""The same with two hobs, further to the right, a pan on each, a second plate and one more food, for the longest goal."""
 PLAY = SceneLayout(
     "play",
     {

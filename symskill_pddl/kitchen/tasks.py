@@ -258,7 +258,7 @@ BREAKFAST = (
 DINNER_GOALS = (
     ("PnPCabToCounter", ("cheese", "cabinet", "counter")),
     ("PnPStoveToCounter", ("can", "pan", "plate")),
-    ("PnPCounterToStove", ("butter", "plate", "pan")),
+    ("PnPCounterToStove", ("butter", "plate-2", "pan")),
     ("PnPCounterToStove", ("bread", "plate", "pan-2")),
     ("TurnOnStove", ("knob", "stove")),
     ("TurnOnStove", ("knob-2", "stove-2")),
@@ -282,9 +282,15 @@ LONG = (
             DINNER,
             # in the pan there is room for what leaves it and for what comes, in whatever order
             can=("pan", _spot(0.042, 0.0)),
-            bread=("counter", _spot(0.36, -0.435)),
-            butter=("counter", _spot(0.47, -0.435)),
-            **{"pan-2": ("stove-2", Box((PAN_ON_STOVE.center[0], -0.025, 0.0), PAN_ON_STOVE.half))},
+            butter=("plate-2", PLATE_SPOT),
+            # what goes into a pan comes from the robot's left of it, as in the demonstrations: the way in that is learned from
+            # them rises over the wall on that side only
+            plate=("counter", _spot(0.37, 0.003, 0.004)),
+            bread=("counter", _spot(0.485, 0.0)),
+            **{
+                "plate-2": ("counter", _spot(0.38, 0.168)),
+                "pan-2": ("stove-2", Box((PAN_ON_STOVE.center[0], -0.025, 0.0), PAN_ON_STOVE.half)),
+            },
         ),
         *DINNER_GOALS,
         scene=DINNER,

@@ -2,9 +2,11 @@
 
 First best-first on ``g + h`` with the cost of FF's relaxed plan as h. It sees costs, so a step that was blamed for a failure is
 avoided where there is another way; as h can overestimate, plans are good but not proved to be the cheapest. Where `PATIENCE`
-does not see the end of it, a lazy greedy search with preferred operators follows (Helmert, 2006): larger problems get longer
-plans instead of none. ``optimal=True`` takes h_max, which cannot overestimate, and proves the cost at the price of time. Each
-proves unsolvability by exhausting the reachable states, or at once where even the relaxed problem has no plan.
+does not see the end of it, a lazy greedy search with preferred operators follows (Helmert, 2006), and stretches of its plan are
+planned again by the first search wherever that finds a cheaper way (windows; Siddiqui and Haslum, 2015): larger problems get
+longer plans instead of none, without detours that fit into a window. ``optimal=True`` takes h_max, which cannot overestimate,
+and proves the cost at the price of time. Each proves unsolvability by exhausting the reachable states, or at once where
+even the relaxed problem has no plan.
 """
 
 from __future__ import annotations
@@ -24,6 +26,8 @@ from symskill_pddl.symbols import Domain, Plan, Problem, State, check_problem, v
 _Entry = tuple[float, int, int, Action | None]
 PATIENCE = 40_000
 """States expanded, times ground operators, before the search turns greedy: about a tenth of a second of work."""
+WINDOW, WINDOW_PATIENCE = 10, 60
+"""Steps of a greedy plan that are planned again together, each window half over the next; states expanded in each."""
 BOOST = 1000
 """How many expansions preferred operators get ahead for each state that looks better than all before."""
 
@@ -72,7 +76,7 @@ class Builtin:
             return _best_first(task, relaxation.h_ff, deadline, expansions=patience)
         except _OutOfPatienceError:
             found, expanded = _lazy_greedy(task, relaxation, deadline)
-            return found, expanded + patience
+            return found and _without_detours(task, found, deadline), expanded + patience
 
 
 class BuiltinSession:
@@ -206,6 +210,31 @@ def _lazy_greedy(task: Task, relaxation: Relaxation, deadline: float) -> tuple[l
                 if i in helpful:
                     heapq.heappush(queues[1], entry)
     return None, expanded
+
+
+def _without_detours(task: Task, actions: list[Action], deadline: float) -> list[Action]:
+    """A plan, with every window of it, from the last to the first, replaced by a cheaper way to what the rest of it needs."""
+    begin = len(actions)
+    while begin > 0:
+        begin = max(0, begin - WINDOW // 2)
+        end = begin + WINDOW
+        needs = task.goal_mask
+        for action in reversed(actions[end:]):
+            needs = (needs & ~action.add_mask) | action.pre_mask
+        state = task.init
+        for action in actions[:begin]:
+            state = (state & ~action.delete_mask) | action.add_mask
+        part = replace(task, init=state, goal=tuple(i for i in range(task.n_facts) if needs >> i & 1))
+        try:
+            shorter, _ = _best_first(part, Relaxation(part).h_ff, deadline, expansions=WINDOW_PATIENCE)
+        except _OutOfPatienceError:
+            continue
+        except OutOfTimeError:
+            # the plan there is, is better than none
+            break
+        if shorter is not None and sum(a.cost for a in shorter) < sum(a.cost for a in actions[begin:end]):
+            actions = [*actions[:begin], *shorter, *actions[end:]]
+    return actions
 
 
 def _trace(parent: Mapping[int, tuple[int, Action]], state: int) -> list[Action]:

@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
@@ -11,7 +12,7 @@ from random_domains import atoms, breadth_first, covered_egg, domains, kitchen, 
 from symskill_pddl.errors import InputError, NoPlanError
 from symskill_pddl.planning import Builtin, Limits, PlanResult, Status
 from symskill_pddl.planning import search as module
-from symskill_pddl.symbols import Domain, Operator, Parameter, Plan, Predicate, Problem, validate
+from symskill_pddl.symbols import Atom, Domain, Operator, Parameter, Plan, Predicate, Problem, Type, validate
 
 EGG = (
     ("pick-lid", ("lid-a", "pan-a")),
@@ -59,6 +60,31 @@ def test_the_greedy_search_does_too(data):
     assert (actions is None) == (shortest is None)
     if actions is not None:
         validate(domain, problem, Plan(tuple(a.step for a in actions)))
+        shorter = module._without_detours(task, actions, time.monotonic() + 10)
+        validate(domain, problem, Plan(tuple(a.step for a in shorter)))
+        assert sum(a.cost for a in shorter) <= sum(a.cost for a in actions)
+
+
+def test_a_detour_is_cut_out_of_the_middle_of_a_long_plan():
+    go = Operator(
+        "go",
+        (Parameter("?a", "place"), Parameter("?b", "place")),
+        pre=frozenset({Atom("at", ("?a",)), Atom("link", ("?a", "?b"))}),
+        add=frozenset({Atom("at", ("?b",))}),
+        delete=frozenset({Atom("at", ("?a",))}),
+    )
+    domain = Domain("walk", (Type("place"),), (Predicate("at", ("place",)), Predicate("link", ("place", "place"))), (go,))
+    names = [f"p{i:02}" for i in range(30)]
+    links = {Atom("link", pair) for pair in [*pairwise(names), ("p13", "p17")]}
+    problem = Problem("far", "walk", tuple((n, "place") for n in names), frozenset({Atom("at", ("p00",)), *links}), frozenset())
+    problem = replace(problem, goal=frozenset({Atom("at", ("p29",))}))
+    task = module.ground_task(domain, problem, extra_costs={})
+    by_step = {a.step: a for a in task.actions}
+    long = [by_step["go", pair] for pair in pairwise(names)]
+    steps = [a.step for a in module._without_detours(task, long, time.monotonic() + 10)]
+    assert [args[1] for _, args in steps] == [*names[1:14], *names[17:]]
+    # no time left: the plan there is
+    assert module._without_detours(task, long, time.monotonic() - 1) == long
 
 
 def test_the_egg():
