@@ -115,6 +115,7 @@ class _Evidence(_Model):
 class _Absent(_Model):
     atom: _Atom
     over: tuple[_Pair, ...]
+    at_most_one: bool = False
 
 
 class _Experience(_Model):
@@ -215,7 +216,10 @@ def _operator_json(learned: LearnedOperator) -> dict[str, Any]:
         "name": op.name,
         "parameters": _pairs(op.parameters),
         "pre": _atoms(op.pre),
-        "absent": [{"atom": (a.atom.predicate, a.atom.args), "over": _pairs(a.over)} for a in sorted(op.absent)],
+        "absent": [
+            {"atom": (a.atom.predicate, a.atom.args), "over": _pairs(a.over), "at_most_one": a.at_most_one}
+            for a in sorted(op.absent)
+        ],
         "add": _atoms(op.add),
         "delete": _atoms(op.delete),
         "maintain": _atoms(op.maintain),
@@ -255,7 +259,7 @@ def _from_json(d: _Document, skills: Mapping[str, Skill], recordings: Mapping[st
                 add=_state(o.add),
                 delete=_state(o.delete),
                 maintain=_state(o.maintain),
-                absent=frozenset(Absent(Atom(*a.atom), _parameters(a.over)) for a in o.absent),
+                absent=frozenset(Absent(Atom(*a.atom), _parameters(a.over), a.at_most_one) for a in o.absent),
                 cost=o.cost,
             ),
             _state(o.strict_pre),

@@ -75,6 +75,9 @@ class Absent:
 
     atom: Atom
     over: tuple[Parameter, ...] = ()
+    at_most_one: bool = False
+    """For the same other arguments no two such atoms were ever seen to hold together. It changes no meaning: it is what an export
+    without quantifiers may stand on."""
 
 
 @dataclass(frozen=True)

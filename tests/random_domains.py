@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 
 from hypothesis import strategies as st
@@ -151,6 +152,18 @@ def kitchen() -> Domain:
             ),
         ),
     )
+
+
+def careless_kitchen(at_most_one: bool) -> Domain:
+    """The same, but nobody asks whether there is a lid before another is put on; whether two were ever seen is told."""
+    operators = (
+        replace(
+            op,
+            absent=frozenset(replace(a, at_most_one=at_most_one) for a in op.absent) if op.name != "place-lid" else frozenset(),
+        )
+        for op in kitchen().operators
+    )
+    return replace(kitchen(), operators=tuple(operators))
 
 
 def covered_egg() -> Problem:

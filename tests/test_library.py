@@ -1,4 +1,5 @@
 import json
+import re
 
 import numpy as np
 import pytest
@@ -91,6 +92,14 @@ def test_negative_conditions_survive(library, saved):
     changed = replace(library, operators=(replace(first, operator=replace(first.operator, absent=absent)), *rest))
     changed.save(saved)
     assert Library.load(saved).operators[0].operator.absent == absent
+    # a library from before it was told how many there were at a time
+    index = saved / INDEX
+    text = index.read_text()
+    assert '"at_most_one": false' in text
+    index.write_text(re.sub(r',\s*"at_most_one": false', "", text))
+    assert Library.load(saved).operators[0].operator.absent == absent
+    index.write_text(text.replace('"at_most_one": false', '"at_most_one": true'))
+    assert {a.at_most_one for a in Library.load(saved).operators[0].operator.absent} == {True}
 
 
 @pytest.mark.parametrize("at", [0, 100, -1])

@@ -1,7 +1,7 @@
 ; Learned from demonstrations by symskill. What a predicate means geometrically stands above it.
 ; This file may be edited by hand; `symskill check` says what an edit means.
 (define (domain play)
-  (:requirements :strips :typing :negative-preconditions :universal-preconditions)
+  (:requirements :strips :typing)
   (:types
     ; fits a box of 22 x 22 x 2.4 cm
     cabinet - object
@@ -51,6 +51,8 @@
     ; not turned, give or take 8.4 x 8.4 x 22 deg
     ; false again beyond 1.3 times that
     (thing-on-drawer ?thing - thing ?drawer - drawer)
+    ; where lid-on-cookware is false for every lid
+    (none-lid-on-cookware ?cookware - cookware)
   )
 
   ; pick, learned from 5 episodes in 1 demonstration; took 5.9 s on average, 6.8 s at most
@@ -76,6 +78,7 @@
       (lid-on-cookware ?lid ?cookware))
     :effect (and
       (gripper-holds-lid ?lid)
+      (none-lid-on-cookware ?cookware)
       (not (gripper-open))
       (not (lid-on-cookware ?lid ?cookware))))
 
@@ -94,14 +97,17 @@
   ; place, learned from 5 episodes in 1 demonstration; took 5.2 s on average, 5.4 s at most
   ; skill place-lid-on-cookware
   ; maintains (gripper-holds-lid ?lid)
+  ; stated: at most one lid with (lid-on-cookware ?lid ?cookware) at a time, as in all demonstrations, so (none-lid-on-cookware ?cookware) is needed
   (:action place-lid-on-cookware
     :parameters (?lid - lid ?cookware - cookware)
     :precondition (and
-      (gripper-holds-lid ?lid))
+      (gripper-holds-lid ?lid)
+      (none-lid-on-cookware ?cookware))
     :effect (and
       (gripper-open)
       (lid-on-cookware ?lid ?cookware)
-      (not (gripper-holds-lid ?lid))))
+      (not (gripper-holds-lid ?lid))
+      (not (none-lid-on-cookware ?cookware))))
 
   ; pick, learned from 4 episodes in 1 demonstration; took 6.7 s on average, 7.8 s at most
   ; skill pick-thing-from-cookware
@@ -113,8 +119,8 @@
     :parameters (?thing - thing ?cookware - cookware)
     :precondition (and
       (gripper-open)
-      (thing-in-cookware ?thing ?cookware)
-      (forall (?any-lid - lid) (not (lid-on-cookware ?any-lid ?cookware))))
+      (none-lid-on-cookware ?cookware)
+      (thing-in-cookware ?thing ?cookware))
     :effect (and
       (gripper-holds-thing ?thing)
       (not (gripper-open))
@@ -156,7 +162,7 @@
     :parameters (?thing - thing ?cookware - cookware)
     :precondition (and
       (gripper-holds-thing ?thing)
-      (forall (?any-lid - lid) (not (lid-on-cookware ?any-lid ?cookware))))
+      (none-lid-on-cookware ?cookware))
     :effect (and
       (gripper-open)
       (thing-in-cookware ?thing ?cookware)

@@ -50,8 +50,13 @@ def learn_operators(
     contacts: Sequence[str],
     extents: Extents,
     config: OperatorConfig | None = None,
+    *,
+    single: frozenset[str] = frozenset(),
 ) -> tuple[tuple[OperatorGroup, ...], tuple[str, ...]]:
-    """One operator per group of transitions with the same lifted effects, and notes on what was left out."""
+    """One operator per group of transitions with the same lifted effects, and notes on what was left out.
+
+    `single` are the predicates of which a reference never has more than one object (`transitions.never_shared`).
+    """
     config = config or OperatorConfig()
     shown = Counter(demo.task for demo in demos)
     groups: dict[tuple[str, ...], list[Transition]] = defaultdict(list)
@@ -86,7 +91,7 @@ def learn_operators(
     names = operator_names([(g[0].label, g[0].moves) for g in kept], relations, places, contacts)
     states = [(t, s) for t in found for s in (t.before, t.after)]
     learned = [
-        _operator(name, g, states, relations, classifiers, places, contacts, extents, config)
+        _operator(name, g, states, relations, classifiers, places, contacts, extents, config, single)
         for name, g in zip(names, kept, strict=True)
     ]
     return tuple(_mutex(learned, relations, places)), tuple(notes)
@@ -102,6 +107,7 @@ def _operator(
     contacts: Sequence[str],
     extents: Extents,
     config: OperatorConfig,
+    single: frozenset[str],
 ) -> OperatorGroup:
     notes: list[str] = []
     lifted = lift(group)
@@ -129,7 +135,7 @@ def _operator(
     if not all(t.left for t in group):
         left = Atom(contact, (lifted.parameters[group[0].args.index(label.episode.obj)].name,))
         notes.append(f"no retreat: the recordings end before the hand has left, so that {left} ends is not seen and no effect")
-    absent = _negatives(group, lifted, positive, states, classifiers, extents, notes, config)
+    absent = _negatives(group, lifted, positive, states, classifiers, extents, notes, config, single)
     kept_variables = own | {v for atom in positive for v in atom.variables}
     parameters = tuple(p for p in lifted.parameters if p.name in kept_variables)
     during = frozenset(
@@ -233,6 +239,7 @@ def _negatives(
     extents: Extents,
     notes: list[str],
     config: OperatorConfig,
+    single: frozenset[str] = frozenset(),
 ) -> frozenset[Absent]:
     """Relations of other objects to the operator's own that hold elsewhere in the data but never where it begins."""
     found = set()
@@ -256,7 +263,7 @@ def _negatives(
             if any(_related_any(s, c) for _, s in elsewhere):
                 variable = "?other" if c.child == arguments[0].type else f"?any-{slug(c.child)}"
                 atom = Atom(c.predicate.name, (variable, parameter.name))
-                found.add(Absent(atom, (Parameter(variable, c.child),)))
+                found.add(Absent(atom, (Parameter(variable, c.child),), atom.predicate in single))
                 notes.append(f"added precondition: no {c.child} with {atom}, as in all its demonstrations")
     return frozenset(found)
 

@@ -15,7 +15,7 @@ from symskill_pddl.learning.operators import OperatorConfig, OperatorGroup, lear
 from symskill_pddl.learning.predicates import learn_relations
 from symskill_pddl.learning.relations import PredicateConfig, Relations
 from symskill_pddl.learning.segments import Episode, SegmentConfig, segment_all
-from symskill_pddl.learning.transitions import Truth, exclusive, gripper_rule, transitions, truth_of
+from symskill_pddl.learning.transitions import Truth, exclusive, gripper_rule, never_shared, transitions, truth_of
 from symskill_pddl.library import Goal
 from symskill_pddl.scene import GRIPPER
 from symskill_pddl.symbols import Predicate
@@ -94,9 +94,13 @@ def learn_symbols(
     classifiers = named(relations, places, contacts)
     progress("operators")
     gripper = gripper_rule(demos)
-    truths = {demo.where: exclusive(truth_of(demo, classifiers, gripper), classifiers) for demo in demos}
+    perceived = {demo.where: truth_of(demo, classifiers, gripper) for demo in demos}
+    truths = {where: exclusive(truth, classifiers) for where, truth in perceived.items()}
     found, odd_transitions = transitions(relations, truths, places, contacts)
-    groups, odd_operators = learn_operators(found, demos, relations, classifiers, places, contacts, extents, config.operators)
+    single = never_shared(perceived.values())
+    groups, odd_operators = learn_operators(
+        found, demos, relations, classifiers, places, contacts, extents, config.operators, single=single
+    )
     notes = (*relations.notes, *odd_transitions, *odd_operators)
     if not groups:
         raise LearningError(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -90,6 +90,22 @@ def exclusive(truth: Truth, classifiers: Sequence[Classifier]) -> Truth:
         result[atom] = truth[atom] & ~before
         taken[atom.args[0]] = before | truth[atom]
     return result
+
+
+def never_shared(truths: Iterable[Truth]) -> frozenset[str]:
+    """The predicates of two arguments of which no sample shows two atoms with the same second argument: one lid on a pan."""
+    seen, shared = set[str](), set[str]()
+    for truth in truths:
+        taken: dict[tuple[str, str], NDArray[np.bool_]] = {}
+        for atom, holds in truth.items():
+            if len(atom.args) != 2:
+                continue
+            seen.add(atom.predicate)
+            place = atom.predicate, atom.args[1]
+            if place in taken and (taken[place] & holds).any():
+                shared.add(atom.predicate)
+            taken[place] = taken[place] | holds if place in taken else holds
+    return frozenset(seen - shared)
 
 
 def state_at(truth: Truth, i: int) -> State:

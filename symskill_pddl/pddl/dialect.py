@@ -11,12 +11,15 @@ The law that ties writing to reading is ``read_domain(write_domain(d, dialect=x)
 
 Operators bind distinct parameters to distinct objects. PDDL does not, so the export says it wherever two parameters have related
 types. In `strips`, which has no equality, it is a static predicate that the problem states for every pair of different objects:
-exact, and pruned while grounding. Hence a plan for the text is a plan by the semantics of `symbols`, and the reverse.
+exact, and pruned while grounding. Hence a plan for the text is a plan by the semantics of `symbols`, and the reverse, but for one
+thing that `strips` may have to add: the complement of "no lid on this pan" can be kept only while at most one lid is on a pan. An
+operator that adds one without asking whether there is one asks in `strips` (`Exported.stated`) where the demonstrations never
+showed two (`Absent.at_most_one`); where that was not observed, the dialect refuses.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import combinations, permutations, product
@@ -51,9 +54,24 @@ class Complement:
     predicate: str
     keep: tuple[int, ...]
     over: tuple[tuple[int, str], ...]
+    observed: bool = False
+    """Whether the demonstrations show at most one denied atom at a time for the same kept arguments."""
 
     def of(self, atom: Atom) -> Atom:
         return Atom(self.name, tuple(atom.args[i] for i in self.keep))
+
+
+@dataclass(frozen=True)
+class Stated:
+    """A precondition beyond what was learned: `operator` adds `effect`, so here it `needs` that there is none like it."""
+
+    operator: str
+    effect: Atom
+    complement: Complement
+
+    @property
+    def needs(self) -> Atom:
+        return self.complement.of(self.effect)
 
 
 @dataclass(frozen=True)
@@ -70,6 +88,8 @@ class Exported:
     """Types of the parameters that could be bound to one object; only their objects are stated to be different."""
     arm: str = ""
     """Name of the predicate for the free arm, temporal only."""
+    stated: tuple[Stated, ...] = ()
+    """What the operators need here beyond the original: with any, that there is no plan for the text proves nothing for it."""
 
     def problem(self, problem: Problem) -> Problem:
         """The problem with the complements, inequalities and resources of this dialect in its initial state.
@@ -162,11 +182,13 @@ def _plain(op: Operator, dialect: str) -> Operator:
     """Drop what the dialect does not carry, and deletes that the same operator adds back."""
     cost = {"costs": float(round(op.cost * COST_SCALE)), "temporal": round(op.cost, 3)}.get(dialect, 1.0)
     maintain = op.maintain if dialect == "temporal" else frozenset()
-    return replace(op, delete=op.delete - op.add, cost=cost, maintain=maintain)
+    absent = op.absent if dialect == "strips" else frozenset(replace(a, at_most_one=False) for a in op.absent)
+    return replace(op, delete=op.delete - op.add, cost=cost, maintain=maintain, absent=absent)
 
 
 def _positive(original: Domain, domain: Domain) -> Exported:
     complements: dict[tuple[str, tuple[tuple[int, str], ...]], Complement] = {}
+    observed = {(a.atom.predicate, _dropped(op, a)) for op in domain.operators for a in op.absent if a.at_most_one}
     for op in domain.operators:
         for absent in sorted(op.absent):
             over = _dropped(op, absent)
@@ -176,10 +198,8 @@ def _positive(original: Domain, domain: Domain) -> Exported:
                 keep = tuple(i for i in range(len(absent.atom.args)) if i not in dropped)
                 prefix = "not" if not over else "no-" + "-".join(kind for _, kind in over) if _narrow(domain, key) else "none"
                 taken = replace(domain, predicates=(*domain.predicates, *(Predicate(c.name) for c in complements.values())))
-                complements[key] = Complement(fresh(f"{prefix}-{key[0]}", taken), key[0], keep, over)
-    for complement in complements.values():
-        if complement.over:
-            _prove_exclusive(domain, complement)
+                complements[key] = Complement(fresh(f"{prefix}-{key[0]}", taken), key[0], keep, over, key in observed)
+    stated = tuple(s for complement in complements.values() if complement.over for s in _exclusive(domain, complement))
     clash = {p.type for op in domain.operators for pair in unifiable(domain, op) for p in op.parameters if p.name in pair}
     different = fresh("different", domain) if clash else ""
     predicates = [*domain.predicates]
@@ -192,6 +212,7 @@ def _positive(original: Domain, domain: Domain) -> Exported:
     for op in domain.operators:
         pre = set(op.pre) | {Atom(different, pair) for pair in unifiable(domain, op)}
         pre |= {complements[a.atom.predicate, _dropped(op, a)].of(a.atom) for a in op.absent}
+        pre |= {s.needs for s in stated if s.operator == op.name}
         add, delete = set(op.add), set(op.delete)
         for complement in complements.values():
             filled = {complement.of(a) for a in op.add if _touches(domain, op, complement, a)}
@@ -199,7 +220,7 @@ def _positive(original: Domain, domain: Domain) -> Exported:
             add |= {complement.of(a) for a in op.delete if _touches(domain, op, complement, a)} - filled
         operators.append(replace(op, pre=frozenset(pre), add=frozenset(add), delete=frozenset(delete), absent=frozenset()))
     compiled = replace(domain, predicates=tuple(predicates), operators=tuple(operators))
-    return Exported(compiled, original, "strips", tuple(complements.values()), different, tuple(sorted(clash)))
+    return Exported(compiled, original, "strips", tuple(complements.values()), different, tuple(sorted(clash)), stated=stated)
 
 
 def _narrow(domain: Domain, key: tuple[str, tuple[tuple[int, str], ...]]) -> bool:
@@ -234,8 +255,9 @@ def _touches(domain: Domain, op: Operator, complement: Complement, atom: Atom) -
     return True
 
 
-def _prove_exclusive(domain: Domain, complement: Complement) -> None:
-    """At most one denied atom holds at a time: each operator that adds one found none before, or takes one away.
+def _exclusive(domain: Domain, complement: Complement) -> Iterator[Stated]:
+    """What makes it so that at most one denied atom holds at a time: each operator that adds one found none before, or takes one
+    away. What an operator does not ask for is given back, where the demonstrations show it.
 
     Then, and only then, removing one leaves none. The initial state is checked when a problem is exported.
     """
@@ -253,7 +275,12 @@ def _prove_exclusive(domain: Domain, complement: Complement) -> None:
             if sum(complement.of(a) == place for a in added) > 1:
                 raise InputError(f"operator '{op.name}': it adds several atoms like {atom} at once; use the dialect 'negative'")
             swapped = any(complement.of(a) == place for a in removed)
-            if not swapped and atom not in op.pre and not _requires_none(op, complement, place):
+            if swapped or atom in op.pre or _requires_none(op, complement, place):
+                continue
+            beside = any(complement.of(a) == place for a in op.pre if _touches(domain, op, complement, a))
+            if complement.observed and not beside:
+                yield Stated(op.name, atom, complement)
+            else:
                 raise InputError(
                     f"operator '{op.name}': it adds {atom} without requiring that there is none before, so the 'strips' dialect "
                     f"cannot compile the negative condition on '{complement.predicate}'; use 'negative'"

@@ -8,7 +8,7 @@ from functools import cache
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from symskill_pddl.pddl.dialect import COST_SCALE, Exported, exported, parameter_list, requirements, unifiable
+from symskill_pddl.pddl.dialect import COST_SCALE, Exported, Stated, exported, parameter_list, requirements, unifiable
 from symskill_pddl.pddl.names import check_domain_names, check_problem_names
 from symskill_pddl.symbols import Absent, Domain, Operator, Predicate, Problem
 
@@ -59,6 +59,8 @@ def write_domain(
         lines[form.different] = ("true of every two different objects", *lines[form.different])
     if form.arm:
         lines[form.arm] = ("the arm does one thing at a time", *lines[form.arm])
+    for stated in form.stated:
+        lines[stated.operator] = (*lines[stated.operator], _statement(stated))
     top = [*_comment(header)]
     if dialect == "costs":
         top.append(f"costs are in 1/{COST_SCALE} of the unit that they were learned in")
@@ -165,6 +167,11 @@ def _meaning(form: Exported, name: str) -> str:
     if not complement.over:
         return f"where {complement.predicate} is false"
     return f"where {complement.predicate} is false for every {' and '.join(kind for _, kind in complement.over)}"
+
+
+def _statement(stated: Stated) -> str:
+    kinds = " and ".join(kind for _, kind in stated.complement.over)
+    return f"stated: at most one {kinds} with {stated.effect} at a time, as in all demonstrations, so {stated.needs} is needed"
 
 
 def _comment(lines: Sequence[str]) -> Iterator[str]:

@@ -291,7 +291,9 @@ class Names(BaseModel):
             add=self.atoms(op.add, inner),
             delete=self.atoms(op.delete, inner),
             maintain=self.atoms(op.maintain, inner),
-            absent=frozenset(Absent(next(iter(self.atoms((a.atom,), inner))), parameters(a.over)) for a in op.absent),
+            absent=frozenset(
+                Absent(next(iter(self.atoms((a.atom,), inner))), parameters(a.over), a.at_most_one) for a in op.absent
+            ),
         )
 
     def dumps(self) -> str:

@@ -18,7 +18,7 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.pddl.plan import read_plan, step_lines
-from symskill_pddl.planning.engine import Engine
+from symskill_pddl.planning.engine import Engine, proven
 from symskill_pddl.planning.process import run
 from symskill_pddl.planning.protocol import Limits, PlanResult, Status
 from symskill_pddl.symbols import Domain, Plan, Problem, validate
@@ -90,6 +90,6 @@ class Command(Engine):
         if exit_status is None:
             return result(Status.TIMEOUT, None, f"the time limit of {limits.time_s:g} s passed")
         if found := _UNSOLVABLE.search(printed):
-            return result(Status.UNSOLVABLE, None, f"'{words[0]}' says '{found[0]}'")
+            return proven(result(Status.UNSOLVABLE, None, f"'{words[0]}' says '{found[0]}'"), domain, self.dialect)
         last = (printed.strip().splitlines() or ["nothing"])[-1]
         return result(Status.FAILED, None, f"'{words[0]}' ended with status {exit_status} and no plan; it said last: {last}")

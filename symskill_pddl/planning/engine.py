@@ -14,7 +14,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-from symskill_pddl.pddl.dialect import fresh
+from symskill_pddl.pddl.dialect import exported, fresh
 from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Session, Status, Step
 from symskill_pddl.symbols import Absent, Atom, Domain, Predicate, Problem, State
 
@@ -94,6 +94,16 @@ class _Avoiding:
             domain, avoid = barred(self._domain, known)
             self._barred = known, avoid, self._engine.open(domain, self._objects)
         return self._barred[1], self._barred[2]
+
+
+def proven(found: PlanResult, domain: Domain, dialect: str) -> PlanResult:
+    """What an engine found for the text in a dialect, of the domain: where the text needs more, no plan proves nothing."""
+    if found.status is not Status.UNSOLVABLE or not (stated := exported(domain, dialect).stated):
+        return found
+    said = (
+        f"no plan for the '{dialect}' text, where '{stated[0].operator}' needs {stated[0].needs} too; try the dialect 'negative'"
+    )
+    return replace(found, status=Status.FAILED, messages=(*found.messages, said))
 
 
 def barred(domain: Domain, operators: Iterable[str]) -> tuple[Domain, dict[str, str]]:

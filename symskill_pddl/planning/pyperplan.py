@@ -138,14 +138,15 @@ class Pyperplan(Engine):
 
 
 def _fits(domain: Domain, problem: Problem) -> bool:
-    """Whether the problem can be said in the `strips` dialect."""
+    """Whether the problem can be said in the `strips` dialect, just as it is."""
     check_domain(domain)
     check_problem(domain, problem)
     try:
-        exported(domain, "strips").problem(problem)
+        form = exported(domain, "strips")
+        form.problem(problem)
     except InputError:
         return False
-    return True
+    return not form.stated
 
 
 def _engine() -> Any:

@@ -20,7 +20,7 @@ from symskill_pddl.errors import InputError, MissingDependencyError, alternative
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.pddl.plan import read_plan
-from symskill_pddl.planning.engine import Engine, Objects
+from symskill_pddl.planning.engine import Engine, Objects, proven
 from symskill_pddl.planning.protocol import Limits, PlanResult, Status
 from symskill_pddl.symbols import Atom, Domain, GroundOperator, Plan, Problem, State, check_atom, check_problem, validate
 
@@ -110,7 +110,7 @@ class TextSession:
         if answer.status is Status.TIMEOUT:
             return result(Status.TIMEOUT, None, f"the time limit of {limits.time_s:g} s passed", *answer.messages)
         if answer.status is not Status.SOLVED:
-            return result(answer.status, None, *answer.messages)
+            return proven(result(answer.status, None, *answer.messages), self._text.original, self._text.dialect)
         try:
             steps = _believed(self._text.original, problem, self._text.plan(answer.plan, self._planner))
         except InputError as error:

@@ -17,7 +17,7 @@ from symskill_pddl.errors import InputError, MissingDependencyError, alternative
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.pddl.plan import read_plan
-from symskill_pddl.planning.engine import Engine
+from symskill_pddl.planning.engine import Engine, proven
 from symskill_pddl.planning.protocol import Limits, PlanResult, Status
 from symskill_pddl.symbols import Domain, Plan, Problem, check_problem, validate
 
@@ -152,7 +152,7 @@ class UnifiedPlanning(Engine):
                 return result(Status.FAILED, None, f"what {self.name} gives is not a plan: {error}")
             return result(Status.SOLVED, Plan(plan.steps, sum(s.cost for s in plan.ground(domain, problem.object_types))))
         if status in _UNSOLVABLE:
-            return result(Status.UNSOLVABLE)
+            return proven(result(Status.UNSOLVABLE), domain, dialect)
         if status == "TIMEOUT":
             return result(Status.TIMEOUT, None, f"the time limit of {limits.time_s:g} s passed")
         return result(Status.FAILED, None, f"the engine ended with the status {status}")

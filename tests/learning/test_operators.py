@@ -195,6 +195,11 @@ def test_the_reason_behind_a_coincidence_is_found():
     assert {str(a.atom) for a in found} == {"(on-pan ?any-lid ?pan)"}
     assert [p.type for a in found for p in a.over] == ["lid"]
     assert len(notes) == 1
+    assert not any(a.at_most_one for a in found)
+    alone = _negatives(
+        group, lift(group), set(), states, classifiers, {}, [], OperatorConfig(), single=frozenset({"on-pan", "in-rack"})
+    )
+    assert [a.at_most_one for a in alone] == [True]
     # seen once, the lid's absence may be chance
     assert not _negatives([place], lift([place]), set(), states, classifiers, {}, [], OperatorConfig())
     # where a lid lies on the pan in one of its own demonstrations, nothing is added

@@ -1,5 +1,6 @@
 """What is learned from one unsegmented recording of play, against the paper's table of operators and the problems it is for."""
 
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import symskill_pddl
 from symskill_pddl.demos import load_demos, load_truths
 from symskill_pddl.learning import learn_symbols
 from symskill_pddl.learning.score import score
+from symskill_pddl.pddl import DIALECTS, exported, expressible
 from symskill_pddl.planning import Builtin
 from symskill_pddl.symbols import GRIPPER_OPEN, Absent, Atom, Domain, Parameter, Predicate, Problem, Type, validate
 
@@ -55,10 +57,23 @@ def test_the_ten_operators_of_the_paper_with_their_effects(learned, place_of):
             assert (op.pre, op.add, op.delete) == ({fingers, at}, {holds}, {at, fingers})
         else:
             assert (op.pre, op.add, op.delete) == ({holds}, {at, fingers}, {holds})
-        lid = Absent(Atom(place_of["lid", "cookware"], ("?any-lid", "?cookware")), (Parameter("?any-lid", "lid"),))
+        lid = Absent(Atom(place_of["lid", "cookware"], ("?any-lid", "?cookware")), (Parameter("?any-lid", "lid"),), True)
         assert op.absent == ({lid} if (moved.type, ref.type) == ("thing", "cookware") else set()), op.name
         assert o.support >= 4
     assert seen == {(kind, *pair) for kind in ("pick", "place") for pair in PICKED}
+
+
+def test_every_dialect_can_say_it_because_two_lids_were_never_on_one_pan(domain):
+    assert expressible(domain) == DIALECTS
+    (stated,) = exported(domain, "strips").stated
+    assert stated.operator == "place-lid-on-cookware"
+    seen_two = replace(
+        domain,
+        operators=tuple(
+            replace(op, absent=frozenset(replace(a, at_most_one=False) for a in op.absent)) for op in domain.operators
+        ),
+    )
+    assert expressible(seen_two) == DIALECTS[1:]
 
 
 def problems(place_of, things):

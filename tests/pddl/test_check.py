@@ -6,10 +6,11 @@ from dataclasses import replace
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_domains import domains, kitchen
+from random_domains import careless_kitchen, domains, kitchen
 
 from symskill_pddl.errors import InputError
 from symskill_pddl.pddl import DIALECTS, Names, compare, read_domain, write_domain
+from symskill_pddl.pddl.edit import undone
 from symskill_pddl.symbols import Absent, Plan
 
 TEXT = write_domain(kitchen(), dialect="costs")
@@ -34,6 +35,16 @@ def test_an_export_that_nobody_touched_has_no_findings(data, dialect):
     comparison = compare(domain, read_domain(write_domain(domain, dialect=dialect)), dialect=dialect)
     assert comparison.findings == ()
     assert [(b.action, b.operator) for b in comparison.bindings] == [(o.name, o.name) for o in domain.operators]
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_what_the_dialect_states_is_no_edit(dialect):
+    learned = careless_kitchen(at_most_one=True)
+    written = read_domain(write_domain(learned, dialect=dialect))
+    comparison = compare(learned, written, dialect=dialect)
+    assert comparison.findings == ()
+    needs = undone(comparison, learned, written).domain.operator("place-lid").absent
+    assert {str(a.atom) for a in needs} == ({"(lid-on-pan ?any ?pan)"} if dialect == "strips" else set())
 
 
 def test_a_quantified_variable_may_be_called_anything():

@@ -6,10 +6,10 @@ from itertools import product
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
-from random_domains import NO_LID, atoms, covered_egg, domains, kitchen, problems
+from random_domains import NO_LID, atoms, careless_kitchen, covered_egg, domains, kitchen, problems
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.pddl import DIALECTS, exported, expressible, write_domain
+from symskill_pddl.pddl import DIALECTS, exported, expressible, read_domain, write_domain
 from symskill_pddl.pddl.dialect import fresh, requirements, unifiable
 from symskill_pddl.symbols import Absent, Atom, Domain, Operator, Parameter, Predicate, Problem, Type
 
@@ -82,13 +82,74 @@ def test_a_quantified_negative_becomes_one_predicate():
 
 
 def test_strips_refuses_what_it_cannot_keep_and_names_the_operator():
-    careless = replace(kitchen().operator("place-lid"), absent=frozenset())
-    domain = replace(kitchen(), operators=(*(o for o in kitchen().operators if o.name != "place-lid"), careless))
+    domain = careless_kitchen(at_most_one=False)
     with pytest.raises(InputError, match=r"operator 'place-lid': it adds .* use 'negative'"):
         exported(domain, "strips")
     assert "forall" in write_domain(domain, dialect="negative")
     assert expressible(domain) == DIALECTS[1:]
     assert expressible(kitchen()) == DIALECTS
+
+
+def test_what_was_observed_is_stated_and_asked_for():
+    domain = careless_kitchen(at_most_one=True)
+    assert expressible(domain) == DIALECTS
+    form = exported(domain, "strips")
+    assert [(s.operator, str(s.effect), str(s.needs)) for s in form.stated] == [
+        ("place-lid", "(lid-on-pan ?lid ?pan)", "(none-lid-on-pan ?pan)")
+    ]
+    assert form.domain == exported(kitchen(), "strips").domain
+    assert not exported(kitchen(), "strips").stated
+    text = write_domain(domain, dialect="strips", comments={"place-lid": ("skill place-lid",)})
+    assert (
+        "  ; skill place-lid\n"
+        "  ; stated: at most one lid with (lid-on-pan ?lid ?pan) at a time, as in all demonstrations, so (none-lid-on-pan ?pan) "
+        "is needed\n  (:action place-lid\n"
+    ) in text
+    for dialect in DIALECTS:
+        text = write_domain(domain, dialect=dialect)
+        assert read_domain(text) == exported(domain, dialect).domain
+        assert dialect == "strips" or text == write_domain(careless_kitchen(at_most_one=False), dialect=dialect)
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@given(problems(careless_kitchen(at_most_one=True), 5))
+def test_what_is_reached_under_a_stated_condition_is_reached_without(problem):
+    domain = careless_kitchen(at_most_one=True)
+    form = exported(domain, "strips")
+    try:
+        compiled = form.problem(problem)
+    except InputError:  # two lids on a pan at the start
+        assume(False)
+    names = {p.name for p in domain.predicates}
+    lids = {o for o, t in problem.objects if t == "lid"}
+    steps = walk(domain, problem, 0)[1]
+    layer, seen = {compiled.init}, {compiled.init}
+    grounded = walk(form.domain, compiled, 0)[1]
+    for _ in range(4):
+        following = set()
+        for state, (plain, step) in product(layer, zip(steps, grounded, strict=True)):
+            assert (plain.name, plain.args) == (step.name, step.args)
+            if step.applicable(state):
+                before = frozenset(a for a in state if a.predicate in names)
+                assert plain.applicable(before)
+                after = step.apply(state)
+                assert plain.apply(before) == frozenset(a for a in after if a.predicate in names)
+                for pan in (o for o, t in problem.objects if t == "pan"):
+                    on = {a.args[0] for a in after if a.predicate == "lid-on-pan" and a.args[1] == pan} & lids
+                    assert len(on) + (Atom("none-lid-on-pan", (pan,)) in after) == 1
+                following.add(after)
+        layer = following - seen
+        seen |= layer
+
+
+def test_an_operator_that_puts_a_second_beside_the_first_is_refused_in_spite_of_the_observation():
+    domain = careless_kitchen(at_most_one=True)
+    place = domain.operator("place-lid")
+    stacks = replace(
+        place, name="stack-lid", parameters=(*place.parameters, Parameter("?under", "lid")), pre=atoms("lid-on-pan ?under ?pan")
+    )
+    with pytest.raises(InputError, match=r"operator 'stack-lid': it adds .* use 'negative'"):
+        exported(replace(domain, operators=(*domain.operators, stacks)), "strips")
 
 
 def test_strips_refuses_a_blind_delete():

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from random_domains import atoms, covered_egg, kitchen
+from random_domains import atoms, careless_kitchen, covered_egg, kitchen
 
 from symskill_pddl.errors import InputError
 from symskill_pddl.pddl import write_plan
@@ -61,6 +61,15 @@ def test_other_ends_are_kept_apart(tmp_path, code, status, message):
     result = program(tmp_path, code).solve(kitchen(), covered_egg(), Limits(memory_mb=300))
     assert result.status is status
     assert message in result.messages[0]
+
+
+@pytest.mark.parametrize("dialect", ["strips", "negative"])
+def test_no_plan_for_a_text_that_needs_more_proves_nothing(tmp_path, dialect):
+    planner = replace(program(tmp_path, "print('Problem proven unsolvable.')"), dialect=dialect)
+    result = planner.solve(careless_kitchen(at_most_one=True), covered_egg())
+    assert result.status is (Status.FAILED if dialect == "strips" else Status.UNSOLVABLE)
+    assert any("'place-lid' needs (none-lid-on-pan ?pan) too" in m for m in result.messages) == (dialect == "strips")
+    assert planner.solve(kitchen(), covered_egg()).status is Status.UNSOLVABLE
 
 
 def test_time_runs_out_and_no_process_is_left(tmp_path):

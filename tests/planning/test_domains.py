@@ -69,7 +69,7 @@ def valid_for_val(folder: Path, domain: Path, problem: Path, plan: str) -> None:
 def test_what_there_is():
     names = [name for name, *_ in STORED]
     assert {"kitchen-strips", "kitchen-negative", "kitchen-costs", "kitchen-temporal", "paper-strips"} <= set(names)
-    assert {"play-negative", "play-costs", "play-temporal"} <= set(names)
+    assert {"play-strips", "play-negative", "play-costs", "play-temporal"} <= set(names)
     for name, _, _, problems in STORED:
         assert len(problems) >= 10, name
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
-from random_domains import atoms, breadth_first, covered_egg, domains, kitchen, problems
+from random_domains import atoms, breadth_first, careless_kitchen, covered_egg, domains, kitchen, problems
 
 from symskill_pddl.errors import InputError, MissingDependencyError
 from symskill_pddl.planning import LPG, FastDownward, Kairos, Limits, Mimir, Status, get, planners, session
@@ -201,9 +201,9 @@ def test_no_process_is_left_after_twenty_time_outs(engine, monkeypatch, tmp_path
     assert not list(tmp_path.iterdir())
 
 
-def answering(answer):
+def answering(answer, domain=None, dialect="negative"):
     egg = covered_egg()
-    text = Text(kitchen(), egg.objects, "negative")
+    text = Text(domain or kitchen(), egg.objects, dialect)
     return TextSession("liar", text, lambda _problem, _limits: answer, shorten=False)(egg.init, egg.goal, Limits())
 
 
@@ -229,6 +229,12 @@ def test_other_answers_pass(status):
     assert isinstance(result, PlanResult)
     assert result.status is status
     assert "why" in result.messages
+
+
+@pytest.mark.parametrize("dialect", ["strips", "negative"])
+def test_no_plan_for_a_text_that_needs_more_proves_nothing(dialect):
+    result = answering(Answer(Status.UNSOLVABLE), careless_kitchen(at_most_one=True), dialect)
+    assert result.status is (Status.FAILED if dialect == "strips" else Status.UNSOLVABLE)
 
 
 def test_detours_are_left_out():

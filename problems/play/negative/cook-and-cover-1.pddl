@@ -1,0 +1,24 @@
+; task PlayCookAndCover, seed 1
+(define (problem playcookandcover-1)
+  (:domain play)
+  (:objects
+    stove-1 - stove
+    dish-rack - cabinet
+    counter-1 - counter
+    pan - cookware
+    lid-1 - lid
+    red-plate - drawer
+    white-plate - container
+    block - thing
+    bread - thing
+  )
+  (:init
+    (gripper-open)
+    (lid-on-cookware lid-1 pan)
+    (thing-on-container bread white-plate)
+    (thing-on-drawer block red-plate)
+  )
+  (:goal (and
+    (lid-on-cookware lid-1 pan)
+    (thing-in-cookware bread pan)))
+)
