@@ -27,6 +27,7 @@ from symskill_pddl.execution.belief import Belief
 from symskill_pddl.execution.body import Body
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.journal import Journal
+from symskill_pddl.execution.ordering import one_by_one
 from symskill_pddl.execution.recovery import StepKey, nearest_symbols, other_face
 from symskill_pddl.execution.trace import PlanLine, rows
 from symskill_pddl.geometry import Pose
@@ -85,7 +86,7 @@ class Deliberation:
         seconds = perf_counter() - begin
         self._journal.plan_seconds.append(seconds)
         plan, messages = result.plan, result.messages
-        steps = plan.ground(self._domain, self._objects) if plan is not None else ()
+        steps = one_by_one(plan.ground(self._domain, self._objects), state, self._goal) if plan is not None else ()
         if plan is not None and assumed and not self._honest(steps):
             plan, messages = None, ("an assumption would have to satisfy the goal",)
         self._journal.emit(
