@@ -86,7 +86,8 @@ class Deliberation:
         seconds = perf_counter() - begin
         self._journal.plan_seconds.append(seconds)
         plan, messages = result.plan, result.messages
-        steps = one_by_one(plan.ground(self._domain, self._objects), state, self._goal) if plan is not None else ()
+        steps = plan.ground(self._domain, self._objects) if plan is not None else ()
+        steps = one_by_one(steps, state, self._goal, frozenset(self._journal.used))
         if plan is not None and assumed and not self._honest(steps):
             plan, messages = None, ("an assumption would have to satisfy the goal",)
         self._journal.emit(

@@ -17,6 +17,8 @@ class Journal:
     def __init__(self, trace: TraceWriter | None, on_event: Callable[[Any], None] | None) -> None:
         self._trace, self._on_event = trace, on_event
         self.steps: list[StepRecord] = []
+        self.used: set[str] = set()
+        """The objects of all steps so far."""
         self.recoveries: list[str] = []
         self.troubles: list[Cause] = []
         """What went wrong in the steps, in order."""
@@ -43,4 +45,5 @@ class Journal:
 
     def ran(self, step: GroundOperator, start_s: float, stop_s: float, verdict: Verdict, attempt: int) -> None:
         """A step has ended."""
+        self.used.update(step.args)
         self.steps.append(StepRecord(str(step), start_s, stop_s, type(verdict).__name__, verdict.reason, attempt))

@@ -11,7 +11,9 @@ from symskill_pddl.symbols import GroundOperator, State
 _MOST_TRIES = 2_000
 
 
-def one_by_one(steps: tuple[GroundOperator, ...], state: State, goal: State) -> tuple[GroundOperator, ...]:
+def one_by_one(
+    steps: tuple[GroundOperator, ...], state: State, goal: State, begun: frozenset[str] = frozenset()
+) -> tuple[GroundOperator, ...]:
     """The same steps, each time the one most of whose objects were used before; where several are equal, the plan's first.
 
     Steps that have to do with the same atom of an object keep the plan's order; what has no object, as the hand that has to be
@@ -24,6 +26,8 @@ def one_by_one(steps: tuple[GroundOperator, ...], state: State, goal: State) -> 
         A plan, in an order that works.
     state, goal : State
         Atoms it starts from, and reaches.
+    begun : frozenset of str
+        Objects that were used before the plan.
     """
     tries = 0
     earlier = [frozenset(i for i in range(j) if _bound(steps[i], steps[j])) for j in range(len(steps))]
@@ -43,7 +47,7 @@ def one_by_one(steps: tuple[GroundOperator, ...], state: State, goal: State) -> 
                 return [i, *found]
         return None
 
-    order = rest(tuple(range(len(steps))), state, frozenset())
+    order = rest(tuple(range(len(steps))), state, begun)
     return steps if order is None else tuple(steps[i] for i in order)
 
 

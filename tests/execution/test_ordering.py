@@ -27,6 +27,12 @@ def test_a_door_is_not_left_open_while_something_else_is_done():
     assert found == (OPEN, TAKE, SHUT, COOK)
 
 
+def test_a_door_that_an_earlier_plan_opened_is_shut_first():
+    goal = COOK.add | SHUT.add
+    assert one_by_one((COOK, SHUT), OPEN.add, goal) == (COOK, SHUT)
+    assert one_by_one((COOK, SHUT), OPEN.add, goal, frozenset({"door"})) == (SHUT, COOK)
+
+
 def test_what_cannot_be_ordered_otherwise_stays():
     first = replace(COOK, add=COOK.add | {Atom("may-open", ("it",))})
     door = replace(OPEN, pre=frozenset({Atom("may-open", ("it",))}))
