@@ -18,7 +18,7 @@ from pathlib import Path
 from kitchen_page import Measured, page
 from kitchen_suites import Entry, entries
 
-from symskill_pddl.cli.work import checksum, shipped_demos
+from symskill_pddl.cli.work import checksum
 from symskill_pddl.demos import load_demos
 from symskill_pddl.evaluation.ablations import without
 from symskill_pddl.evaluation.results import Results
@@ -32,9 +32,14 @@ from symskill_pddl.library import Library
 PACKAGE = Path(__file__).parent.parent / "symskill_pddl"
 
 
+def shipped() -> list[Path]:
+    """All recordings that come with the package, those of play too."""
+    return sorted((PACKAGE / "data").glob("*/*.hdf5"))
+
+
 def recordings(play: bool) -> list[Path]:
     """The shipped files of atomic tasks, or those of play."""
-    return [f for f in shipped_demos() if (f.stem in TASKS and TASKS[f.stem].kind == "atomic") is not play]
+    return [f for f in shipped() if (f.stem in TASKS and TASKS[f.stem].kind == "atomic") is not play]
 
 
 def library(shown: int, folder: Path) -> Path:
@@ -83,7 +88,7 @@ def main() -> None:
     args = parser.parse_args()
     if not args.scale > 0:
         parser.error(f"--scale has to be positive, got {args.scale}")
-    found, missing = entries({f.stem for f in shipped_demos()})
+    found, missing = entries({f.stem for f in shipped()})
     if unknown := sorted(set(args.only or ()) - {e.name for e in found}):
         parser.error(f"--only: there is no '{unknown[0]}'; there are: {', '.join(e.name for e in found)}")
     if args.list:
