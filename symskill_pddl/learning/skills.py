@@ -110,8 +110,7 @@ def _stretches(t: Transition, config: SkillConfig) -> tuple[tuple[Stretch, ...],
     command = e.demo.gripper_closed
     found: list[Stretch] = []
     if not t.moves:
-        rest = e.before.T_world_obj if e.before is not None else e.demo.pose(e.obj)[e.start]
-        found += _runs("approach", t.begin, e.start, rest.inverse() @ e.demo.T_world_ee, t, config)
+        found += _runs("approach", t.begin, e.start, _approached(t).inverse() @ e.demo.T_world_ee, t, config)
         return tuple(found), bool(command[t.end])
     reference = _reference(t)
     found += _runs("motion", e.start, e.stop - 1, reference.inverse() @ e.demo.T_world_ee, t, config)
@@ -119,6 +118,21 @@ def _stretches(t: Transition, config: SkillConfig) -> tuple[tuple[Stretch, ...],
     last = min(max(e.end, t.end), len(e.demo) - 1)
     found += _runs("retreat", e.stop - 1, last, rest.inverse() @ e.demo.T_world_ee, t, config)
     return tuple(found), bool(command[last])
+
+
+def _approached(t: Transition) -> Pose:
+    """`T_world_obj` (n,) that an approach is seen from: where the object rests, until the fingers close on it for the last time.
+
+    From then on it is the object itself: a hand that lifts it a little before it counts as moved does not approach any more.
+    """
+    e, T = t.label.episode, t.demo.pose(t.label.episode.obj)
+    rest = e.before.T_world_obj if e.before is not None else T[e.start]
+    closes = np.flatnonzero(np.diff(t.demo.gripper_closed[t.begin : e.start + 1].astype(np.int8)) > 0)
+    seen = Pose.stack([rest] * len(t.demo))
+    if not len(closes) or not t.demo.gripper_closed[e.start]:
+        return seen
+    first = t.begin + 1 + int(closes[-1])
+    return Pose(np.concatenate([seen.p[:first], T.p[first:]]), np.concatenate([seen.q[:first], T.q[first:]]))
 
 
 def _reference(t: Transition) -> Pose:
