@@ -118,7 +118,7 @@ def test_bad_requests_are_refused() -> None:
 
 
 def test_failures_are_dropped_unless_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    def idle(kitchen: object, rng: np.random.Generator) -> tuple[object, ...]:
+    def idle(kitchen: object, rng: np.random.Generator, **_: object) -> tuple[object, ...]:
         return (kitchen.observe(), kitchen.step(_hold()))  # type: ignore[attr-defined]
 
     monkeypatch.setattr("symskill_pddl.kitchen.record.demonstrate", idle)

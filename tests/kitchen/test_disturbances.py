@@ -43,7 +43,7 @@ def test_arguments_are_understood():
 @pytest.mark.parametrize(
     ("spec", "message"),
     [
-        ("explode@t=1", "there are: any, close-door, close-drawer, close-knob, close-lever, drop, freeze, "),
+        ("explode@t=1", "there are: any, close-door, close-drawer, close-knob, close-knob-2, close-lever, drop, freeze, "),
         ("drop", "drop@t=SECONDS"),
         ("drop@t=", "drop@t=SECONDS"),
         ("drop@t=soon", "drop@t=SECONDS"),

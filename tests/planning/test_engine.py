@@ -32,8 +32,8 @@ def test_another_way_is_taken_in_a_warm_session_and_in_a_cold_call(engine):
     warm = session(engine, kitchen(), problem.objects)
     first = choice(warm.solve(problem.init, problem.goal).unwrap())
     for solve in (
-        lambda extra: warm.solve(problem.init, problem.goal, Limits(), extra),
-        lambda extra: engine.solve(kitchen(), problem, Limits(), extra),
+        lambda extra: warm.solve(problem.init, problem.goal, Limits(60.0), extra),
+        lambda extra: engine.solve(kitchen(), problem, Limits(60.0), extra),
     ):
         result = solve({first: 1000.0})
         validate(kitchen(), problem, result.unwrap())
@@ -45,7 +45,7 @@ def test_another_way_is_taken_in_a_warm_session_and_in_a_cold_call(engine):
 
 def test_what_cannot_be_avoided_is_done(engine):
     problem = covered_egg()
-    result = session(engine, kitchen(), problem.objects).solve(problem.init, problem.goal, Limits(), {MUST: 1000.0})
+    result = session(engine, kitchen(), problem.objects).solve(problem.init, problem.goal, Limits(60.0), {MUST: 1000.0})
     assert MUST in result.unwrap().steps
     if isinstance(engine, Engine):
         why = "failed" if engine.name == "lpg" else "unsolvable"  # LPG proves little
