@@ -55,7 +55,7 @@ def test_frames_of_the_shut_door_and_the_cabinet_agree():
 
 
 def test_unknown_task_lists_what_exists():
-    with pytest.raises(InputError, match="CloseDrawer, CloseSingleDoor, CookDinner, .*OpenDrawer, OpenSingleDoor") as error:
+    with pytest.raises(InputError, match=r"CloseDrawer, CloseSingleDoor, CookDinner, .*OpenDrawer, OpenSingleDoor") as error:
         make("Cook", 0)
     assert "\n" not in str(error.value)
 
