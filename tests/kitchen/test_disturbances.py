@@ -72,6 +72,12 @@ def test_what_the_scene_does_not_have_is_refused(spec):
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("kind", [name for name in KINDS if name.startswith("close-")])
+def test_a_part_is_shut_by_its_name_where_the_scene_has_it(kind):
+    scenes = [scene.types for scene in layout.SCENES.values()]
+    assert [not KINDS[kind].lacks(types) for types in scenes] == [kind.removeprefix("close-") in types for types in scenes]
+
+
 def aside(kitchen):
     """The arm out of the way of the door."""
     kitchen.physics.set_arm(arm.solve(kitchen.physics, hand_pose((0.46, 0.43, 0.30), np.radians(-15), np.radians(70))))

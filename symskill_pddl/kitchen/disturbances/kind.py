@@ -39,7 +39,7 @@ class Kind:
     defaults : mapping of str to float
         Its arguments: SI unit to default.
     needs : tuple of str
-        Types of which the scene has to have an object each.
+        Names or types: the scene has to have an object of each.
     nameable : bool
         Whether an argument may name the object that it is about.
     adds : mapping of str to str
@@ -54,6 +54,10 @@ class Kind:
     nameable: bool = False
     adds: Mapping[str, str] = field(default_factory=dict)
     concerns: Callable[[tuple[str, ...]], bool] = lambda _: True
+
+    def lacks(self, objects: Mapping[str, str]) -> list[str]:
+        """What it needs and is not among the objects, given by name with their types."""
+        return [need for need in self.needs if need not in objects and need not in objects.values()]
 
 
 def periods(kitchen: Kitchen, seconds: float) -> Doing:

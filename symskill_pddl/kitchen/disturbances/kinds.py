@@ -24,7 +24,7 @@ _MOST_S = 5.0
 def any_of_them(kitchen: Kitchen, _: Arguments, rng: Generator) -> Doing | None:
     """One of all that are possible now, drawn, with its defaults; for a few seconds at most."""
     objects = kitchen.observe().objects
-    names = [name for name, kind in KINDS.items() if name != ANY and all(t in objects.values() for t in kind.needs)]
+    names = [name for name, kind in KINDS.items() if name != ANY and not kind.lacks(objects)]
     for name in rng.permutation(names).tolist():
         effect = KINDS[name].effect(kitchen, Arguments(KINDS[name].defaults), rng)
         if effect is not None:

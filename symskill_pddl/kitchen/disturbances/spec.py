@@ -64,7 +64,7 @@ class Disturbance:
         InputError
             An object that it needs is not in the scene; the message lists what is.
         """
-        if missing := [t for t in self.kind.needs if t not in objects.values()]:
+        if missing := self.kind.lacks(objects):
             raise InputError(f"disturbance '{self.spec}': the scene has no {missing[0]}; it has: {alternatives(objects)}")
         about = self.arguments.about
         if about is not None and about not in objects:
