@@ -1,7 +1,7 @@
 """What each disturbance does to a run: without the monitor it fails, or a field or the modulation absorbs it.
 
-No monitor means that every step of the first plan is carried out once. Most cases begin with a step of the plan or as soon as they
-are possible, so that they do not hang on a moment.
+No monitor means that every step of the first plan is carried out once. Most cases begin with a step of the plan, or as soon
+as they are possible: they do not hang on a moment.
 """
 
 from __future__ import annotations

@@ -39,7 +39,9 @@ class Kind:
     defaults : mapping of str to float
         Its arguments: SI unit to default.
     needs : tuple of str
-        Names or types: the scene has to have an object of each.
+        Types of which the scene has to have an object each.
+    part : str or None
+        A part, by its name, that the scene has to have.
     nameable : bool
         Whether an argument may name the object that it is about.
     adds : mapping of str to str
@@ -51,13 +53,16 @@ class Kind:
     effect: Effect
     defaults: Mapping[str, float] = field(default_factory=dict)
     needs: tuple[str, ...] = ()
+    part: str | None = None
     nameable: bool = False
     adds: Mapping[str, str] = field(default_factory=dict)
     concerns: Callable[[tuple[str, ...]], bool] = lambda _: True
 
     def lacks(self, objects: Mapping[str, str]) -> list[str]:
         """What it needs and is not among the objects, given by name with their types."""
-        return [need for need in self.needs if need not in objects and need not in objects.values()]
+        # by its name: other things share the types of parts
+        part = [self.part] if self.part is not None and self.part not in objects else []
+        return part + [t for t in self.needs if t not in objects.values()]
 
 
 def periods(kitchen: Kitchen, seconds: float) -> Doing:

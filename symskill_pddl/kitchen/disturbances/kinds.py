@@ -50,7 +50,7 @@ def _about(*types: str) -> Callable[[tuple[str, ...]], bool]:
 def _closes(name: str, part: layout.Part) -> Kind:
     """Shutting a part: strong enough for its friction fifteen times over. It concerns tasks about the part or its unit."""
     effort = {"Nm" if part.joint == "hinge" else "N": 15.0 * part.friction, "s": 5.0}
-    return Kind(close(name), effort, needs=(name,), concerns=lambda focus: name in focus or part.unit in focus)
+    return Kind(close(name), effort, part=name, concerns=lambda focus: name in focus or part.unit in focus)
 
 
 ANY = "any"
