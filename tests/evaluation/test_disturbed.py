@@ -25,7 +25,7 @@ from symskill_pddl.skills import FitConfig
 pytestmark = pytest.mark.simulation
 
 QUICK = LearnConfig(skills=SkillConfig(fit=FitConfig(max_components=3, max_fields=2, samples=100)))
-TASKS = ("PnPCounterToCab", "PnPStoveToCounter", "OpenSingleDoor", "OpenDrawer", "TurnOnStove", "TurnOnSinkFaucet")
+TASKS = ("PnPCounterToCab", "OpenDrawer", "OpenSingleDoor", "PnPStoveToCounter", "TurnOnStove", "TurnOnSinkFaucet")
 KNOB_2 = "(knob-turned knob-2 stove-2)"
 
 
@@ -71,8 +71,8 @@ FATAL = [
     ("TurnOnSinkFaucet", ("close-lever@t=0",), "lever-turned", None),
     # the hand goes where the thing was
     ("PnPCounterToCab", ("freeze:6s@t=0", "shift:8cm@t=0.1"), "food-in-cabinet", None),
-    # the hand is torn off the knob and held away from it
-    ("TurnOnStove", ("push:200N,3s@op=1",), "knob-turned", None),
+    # the hand is torn off the drawer's handle
+    ("OpenDrawer", ("push:120N,2s@op=1",), "drawer-open", None),
     # the bread is put onto the lid
     ("PlayCookAndCover", ("put-lid-back@op=2",), "thing-in-cookware", None),
 ]
