@@ -78,18 +78,21 @@ def _bar(name: str, center: Vec3, along: Vec3, foot_x: float) -> str:
     return f'<geom name="{name}_handle" type="cylinder" {bar} {steel}/>{feet}'
 
 
-def _cabinet(name: str, outer: Box) -> str:
+def _open_front(outer: Box) -> tuple[tuple[str, Box], ...]:
+    """The five panels of a wooden box that is open to the front."""
     hx, hy, hz = outer.half
     t = layout.PANEL / 2
-    panels = (
+    return (
         ("floor", Box((0.0, 0.0, -hz + t), (hx, hy, t))),
         ("top", Box((0.0, 0.0, hz - t), (hx, hy, t))),
         ("right", Box((0.0, -hy + t, 0.0), (hx, t, hz))),
         ("left", Box((0.0, hy - t, 0.0), (hx, t, hz))),
         ("back", Box((hx - t, 0.0, 0.0), (t, hy, hz))),
-        ("shelf", layout.SHELF),
     )
-    return _panels(name, panels, WOOD)
+
+
+def _cabinet(name: str, outer: Box) -> str:
+    return _panels(name, (*_open_front(outer), ("shelf", layout.SHELF)), WOOD)
 
 
 def _door(name: str) -> str:
@@ -100,16 +103,7 @@ def _door(name: str) -> str:
 
 
 def _drawer_unit(name: str, outer: Box) -> str:
-    hx, hy, hz = outer.half
-    t = layout.PANEL / 2
-    panels = (
-        ("floor", Box((0.0, 0.0, -hz + t), (hx, hy, t))),
-        ("top", Box((0.0, 0.0, hz - t), (hx, hy, t))),
-        ("right", Box((0.0, -hy + t, 0.0), (hx, t, hz))),
-        ("left", Box((0.0, hy - t, 0.0), (hx, t, hz))),
-        ("back", Box((hx - t, 0.0, 0.0), (t, hy, hz))),
-    )
-    return _panels(name, panels, WOOD)
+    return _panels(name, _open_front(outer), WOOD)
 
 
 def _drawer(name: str) -> str:
