@@ -29,7 +29,7 @@ STORE = Figure("Two tasks together, never demonstrated", "at least 0.90 each")
 LONG = Figure("Long tasks, never demonstrated", "12 operators: at least 0.85; 24 operators: at least 0.70")
 PLAY = Figure("Goals in the play scene, learned from play", "no figure was set")
 ALONE = Figure("Each disturbance alone, once in an episode", "at least 0.90 each")
-MIXED = Figure("All disturbances mixed, one every ten seconds", "at least 0.80")
+MIXED = Figure("All disturbances mixed, one every ten seconds", "at least 0.80; lower without the monitor")
 MECHANISMS = Figure("Three mechanisms, each switched off in turn", "lower without the mechanism")
 FEWER = Figure("Fewer and more demonstrations", "one of each task: mean at least 0.80")
 FIGURES = (ATOMIC, STORE, LONG, PLAY, ALONE, MIXED, MECHANISMS, FEWER)
@@ -124,12 +124,15 @@ def _wished() -> list[Entry]:
         figure = ALONE if name != ANY else MIXED
         shown = 0 if preset.tasks and TASKS[preset.tasks[0]].kind == "play goal" else SHOWN
         if preset.tasks:
-            made.append(Entry(figure, f"with-{name}", preset.tasks, 30, name, shown, preset.disturbances, spread=True))
+            made.append(
+                Entry(figure, f"with-{name}", preset.tasks, 30, name, shown, preset.disturbances, ("monitor",), spread=True)
+            )
+    made.append(Entry(MIXED, "atomic-mixed", atomic, 10, "any", SHOWN, PRESETS["mixed"].disturbances, ("monitor",)))
     # a lid or a door that is shut again takes another plan; a plate that is moved is followed by the field alone; what stands in
     # the way is flowed around. For the last two the monitor is off: it would make up for what is missing
     by = {"off": ("monitor",)}
     made += [
-        Entry(MECHANISMS, "lid", ("PlayServe",), 30, "lid put back", 0, ("put-lid-back@op=2",), ("replanning",)),
+        Entry(MECHANISMS, "lid", ("PlayCookAndCover",), 30, "lid put back", 0, ("put-lid-back@op=2",), ("replanning",)),
         Entry(MECHANISMS, "door", ("StoreCheese",), 30, "door shut", SHOWN, ("close-door@op=4",), ("replanning",)),
         Entry(MECHANISMS, "plate", ("PnPStoveToCounter",), 30, "plate moved", SHOWN, ("move-plate@op=1",), ("tracking",), **by),
         Entry(MECHANISMS, "thing", ("PnPCounterToCab",), 30, "food shifted", SHOWN, ("shift@t=1",), ("tracking",), **by),
