@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from symskill_pddl.demonstrator.hand import Hand
+from symskill_pddl.demonstrator.human import Faults, Person
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import TASKS, make, task_named
-from symskill_pddl.kitchen.demo_hand import Hand
 from symskill_pddl.kitchen.demonstrator import WAYS, demonstrate
-from symskill_pddl.kitchen.human import Faults, Person
 from symskill_pddl.kitchen.loose import Lid, Vessel
 from symskill_pddl.kitchen.render import Camera
 from symskill_pddl.kitchen.world import Kitchen

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from symskill_pddl.demonstrator.hand import Hand
+from symskill_pddl.demonstrator.human import approach_twice, vary
+from symskill_pddl.demonstrator.poses import along, facing, moved, offset
 from symskill_pddl.geometry import Pose
-from symskill_pddl.kitchen.demo_hand import Hand, along, facing, moved, offset
-from symskill_pddl.kitchen.human import approach_twice, vary
 from symskill_pddl.kitchen.layout import PLAY
 from symskill_pddl.kitchen.loose import Vessel
 from symskill_pddl.scene import Scene

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from symskill_pddl.demonstrator.hand import Hand
+from symskill_pddl.demonstrator.human import vary
+from symskill_pddl.demonstrator.part import take_along, take_hold
+from symskill_pddl.demonstrator.poses import along
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
-from symskill_pddl.kitchen.demo_hand import Hand, along
-from symskill_pddl.kitchen.demo_part import Jointed, take_along, take_hold
-from symskill_pddl.kitchen.human import vary
+from symskill_pddl.kitchen.demo_part import Jointed
 
 YAW_AT_SHUT, YAW_WITH_DOOR = np.radians(15.0), 0.6
 BAR_PITCH_DEG = (39.0, 45.0)

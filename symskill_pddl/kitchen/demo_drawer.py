@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from symskill_pddl.demonstrator.hand import Hand
+from symskill_pddl.demonstrator.part import grasp_and_take
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
-from symskill_pddl.kitchen.demo_hand import Hand
-from symskill_pddl.kitchen.demo_part import Jointed, grasp_and_take
+from symskill_pddl.kitchen.demo_part import Jointed
 
 PITCH_DEG = (58.0, 66.0)
 """The hand looks down this much: flatter, the wrist meets its limit; steeper, the hand meets the drawer's front."""

@@ -9,11 +9,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from symskill_pddl.demonstrator.hand import Hand
+from symskill_pddl.demonstrator.human import approach_twice, vary
+from symskill_pddl.demonstrator.poses import along, facing, moved, offset
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.kitchen import layout
-from symskill_pddl.kitchen.demo_hand import Hand, along, facing, moved, offset
 from symskill_pddl.kitchen.episode import INSIDE_FLOOR
-from symskill_pddl.kitchen.human import approach_twice, vary
 from symskill_pddl.kitchen.loose import FOODS, PLATE, Vessel
 
 PITCH_DEG = (76.0, 80.0)

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symskill_pddl.demonstrator.hand import Hand
+from symskill_pddl.demonstrator.human import Faults
 from symskill_pddl.kitchen.demo_dish import DISHES, dish_of, fits, move_thing
-from symskill_pddl.kitchen.demo_hand import Hand
 from symskill_pddl.kitchen.demo_lid import PAN, RACK, lid_at, move_lid
-from symskill_pddl.kitchen.human import Faults
 from symskill_pddl.kitchen.layout import PLAY
 from symskill_pddl.scene import Scene
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from symskill_pddl.demonstrator.hand import Hand
+from symskill_pddl.demonstrator.part import grasp_and_take, push_along
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
-from symskill_pddl.kitchen.demo_hand import Hand
-from symskill_pddl.kitchen.demo_part import Jointed, grasp_and_take, push_along
+from symskill_pddl.kitchen.demo_part import Jointed
 
 KNOB_PITCH_DEG = (82.0, 88.0)
 KNOB_OFF = (0.0, 0.08)

@@ -1,6 +1,6 @@
 """The demonstrator: does a task of the kitchen as a person would, from what is seen and the geometry of the fixtures.
 
-Everything goes through `World.step`, within the limits of `demo_hand`. Whoever records asks the judge, at the end only.
+Everything goes through `World.step`, within the limits of `demonstrator.hand`. Whoever records asks the judge, at the end only.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symskill_pddl.demonstrator.hand import Hand
+from symskill_pddl.demonstrator.human import Faults, Person
 from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.kitchen import demo_door, demo_drawer, demo_food, demo_play, demo_turn
-from symskill_pddl.kitchen.demo_hand import Hand
-from symskill_pddl.kitchen.human import Faults, Person
 from symskill_pddl.scene import Scene
 
 if TYPE_CHECKING:

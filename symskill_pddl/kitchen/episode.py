@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
+from symskill_pddl.demonstrator.poses import hand_pose
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
-from symskill_pddl.kitchen.layout import Box, SceneLayout, hand_pose
+from symskill_pddl.kitchen.layout import Box, SceneLayout
 from symskill_pddl.kitchen.loose import Lid, Loose, Vessel
 from symskill_pddl.kitchen.mjcf import Vec3
 

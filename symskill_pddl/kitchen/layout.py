@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import radians
 
-from symskill_pddl.geometry import Array, Pose, frozen
+from symskill_pddl.geometry import Array
 from symskill_pddl.kitchen import loose
 from symskill_pddl.kitchen.loose import Loose
 from symskill_pddl.kitchen.mjcf import Vec3
@@ -228,13 +228,3 @@ PLAY = SceneLayout(
 )
 """The scene of play: pan on a hob, a rack for its lid, two plates, two things."""
 SCENES = {scene.name: scene for scene in (KITCHEN, DINNER, PLAY)}
-
-
-def hand_pose(p: Array | Vec3, yaw: float, pitch: float) -> Pose:
-    """A hand at p (3,) that looks `pitch` [rad] below the horizontal, turned left by `yaw` [rad]; the fingers open sideways."""
-    from scipy.spatial.transform import Rotation
-
-    # columns x, y, z of the frame at yaw 0 and pitch 0: z forward, y to the left, x down
-    base = Rotation.from_matrix([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
-    x, y, z, w = (Rotation.from_euler("ZY", [yaw, pitch]) * base).as_quat()
-    return Pose(frozen(p), frozen([w, x, y, z]))

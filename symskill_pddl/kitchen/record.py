@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from symskill_pddl.demonstrator.human import Faults
 from symskill_pddl.demos.demo import Demo
 from symskill_pddl.demos.truth import Truth
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import make
 from symskill_pddl.kitchen.demonstrator import demonstrate
-from symskill_pddl.kitchen.human import Faults
 from symskill_pddl.kitchen.truth import TruthLog
 from symskill_pddl.scene import Scene
 

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Literal
 
 from numpy.random import Generator
 
+from symskill_pddl.demonstrator.poses import hand_pose
 from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.episode import Episode, place, uniform
 from symskill_pddl.kitchen.judges import covers, in_cabinet, in_rack, inside, is_open, is_shut, let_go, on_counter
-from symskill_pddl.kitchen.layout import DINNER, KITCHEN, PLAY, Box, SceneLayout, hand_pose
+from symskill_pddl.kitchen.layout import DINNER, KITCHEN, PLAY, Box, SceneLayout
 
 if TYPE_CHECKING:
     from symskill_pddl.kitchen.physics import Physics

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 import symskill_pddl
+from symskill_pddl.demonstrator.hand import Hand
+from symskill_pddl.demonstrator.human import Faults, Person
 from symskill_pddl.demos import load_demos
 from symskill_pddl.demos.truth import load_truths
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import make
 from symskill_pddl.kitchen.demo_dish import dish_of, fits, move_thing
-from symskill_pddl.kitchen.demo_hand import Hand
 from symskill_pddl.kitchen.demo_lid import lid_at, move_lid
 from symskill_pddl.kitchen.demo_play import AT_LEAST_S, OFTEN, Move, possible, seen_at
-from symskill_pddl.kitchen.human import Faults, Person
 from symskill_pddl.kitchen.judges import covers, in_rack, inside
 from symskill_pddl.kitchen.layout import PLAY
 from symskill_pddl.scene import Scene

@@ -5,15 +5,15 @@ from functools import cache
 import numpy as np
 import pytest
 
+from symskill_pddl.demonstrator.hand import MAX_LINEAR_M_S
+from symskill_pddl.demonstrator.human import Faults, Person
 from symskill_pddl.demos.demo import Demo
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose, rotation_distance
 from symskill_pddl.kitchen import layout, make, task_named
 from symskill_pddl.kitchen.demo_door import AJAR_DEG
-from symskill_pddl.kitchen.demo_hand import MAX_LINEAR_M_S
 from symskill_pddl.kitchen.demo_part import Jointed
 from symskill_pddl.kitchen.demonstrator import WAYS, demonstrate
-from symskill_pddl.kitchen.human import Faults, Person
 from symskill_pddl.kitchen.record import record
 
 pytestmark = pytest.mark.simulation

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from symskill_pddl.demonstrator.poses import hand_pose
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose, rotation_distance
 from symskill_pddl.kitchen import TASKS, arm, layout, make, parse_disturbance
 from symskill_pddl.kitchen.disturbances import KINDS
 from symskill_pddl.kitchen.disturbances.around import carried
 from symskill_pddl.kitchen.judges import covers
-from symskill_pddl.kitchen.layout import hand_pose
 from symskill_pddl.scene import Command
 
 from .servo import servo

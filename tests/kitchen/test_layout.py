@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
+from symskill_pddl.demonstrator.poses import hand_pose
 from symskill_pddl.kitchen import arm, layout
-from symskill_pddl.kitchen.layout import Box, hand_pose
+from symskill_pddl.kitchen.layout import Box
 
 
 def test_hand_pose_looks_where_it_says():

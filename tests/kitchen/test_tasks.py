@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
+from symskill_pddl.demonstrator.poses import facing, hand_pose
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import TASKS, arm, layout, make
-from symskill_pddl.kitchen.demo_hand import facing
 from symskill_pddl.kitchen.judges import COUNTER_REGION, covers, in_rack, inside
 from symskill_pddl.scene import Command
 
@@ -135,7 +135,7 @@ def test_a_hand_on_the_handle_is_no_success():
     kitchen = make("CloseSingleDoor", 0)
     turn(kitchen, 0)
     handle = kitchen.physics.T_world("door").apply(layout.HANDLE)
-    kitchen.physics.set_arm(arm.solve(kitchen.physics, layout.hand_pose(handle, np.radians(15), np.radians(20))))
+    kitchen.physics.set_arm(arm.solve(kitchen.physics, hand_pose(handle, np.radians(15), np.radians(20))))
     kitchen.physics.forward()
     assert not kitchen.succeeded()
 
@@ -170,7 +170,7 @@ def test_a_food_in_motion_or_in_the_hand_is_no_success():
     kitchen.physics.data.joint(f"{food}_joint0").qvel[0] = 0.1
     assert not kitchen.succeeded()
     put(kitchen, food, (0.45, 0.30, 0.025))
-    kitchen.physics.set_arm(arm.solve(kitchen.physics, layout.hand_pose((0.45, 0.30, 0.04), 0.0, np.radians(50))))
+    kitchen.physics.set_arm(arm.solve(kitchen.physics, hand_pose((0.45, 0.30, 0.04), 0.0, np.radians(50))))
     kitchen.physics.forward()
     assert not kitchen.succeeded()
 

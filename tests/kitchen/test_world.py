@@ -3,10 +3,10 @@ import time
 import numpy as np
 import pytest
 
+from symskill_pddl.demonstrator.poses import hand_pose
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose, quat_conjugate, quat_log, quat_multiply, rotation_distance
 from symskill_pddl.kitchen import TASKS, arm, layout, make
-from symskill_pddl.kitchen.layout import hand_pose
 from symskill_pddl.scene import Command, Timed
 
 from .servo import servo

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from symskill_pddl.demonstrator.poses import hand_pose
 from symskill_pddl.geometry import Array
 from symskill_pddl.kitchen.backend import load_mujoco
-from symskill_pddl.kitchen.layout import hand_pose
 
 if TYPE_CHECKING:
     from symskill_pddl.kitchen.physics import Physics

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from symskill_pddl.demonstrator.hand import MAX_ANGULAR_RAD_S, MAX_LINEAR_M_S, Hand
+from symskill_pddl.demonstrator.human import Faults, Person
+from symskill_pddl.demonstrator.poses import along, facing, moved
 from symskill_pddl.geometry import Pose, quat_exp, quat_multiply, rotation_distance
-from symskill_pddl.kitchen.demo_hand import MAX_ANGULAR_RAD_S, MAX_LINEAR_M_S, Hand, along, facing, moved
-from symskill_pddl.kitchen.human import Faults, Person
 from symskill_pddl.scene import Command, Scene
 
 

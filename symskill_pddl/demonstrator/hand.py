@@ -1,45 +1,19 @@
-"""The demonstrator's hand: carries out strokes on a kitchen through twists, in closed loop, and remembers what was seen."""
+"""The demonstrator's hand: carries out strokes on a world through twists, in closed loop, and remembers what was seen."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
+from symskill_pddl.demonstrator.human import Faults, Person, Stroke, stroke, vary
 from symskill_pddl.geometry import Array, Pose, quat_conjugate, quat_log, quat_multiply, rotation_distance
-from symskill_pddl.kitchen.human import Faults, Person, Stroke, stroke, vary
-from symskill_pddl.kitchen.layout import hand_pose
 from symskill_pddl.scene import Command, Scene, World
 
 GAIN_1_S = 3.0
 """How fast a pose error is worked off."""
 MAX_LINEAR_M_S, MAX_ANGULAR_RAD_S = 0.25, 1.2
 """Limits of what the hand commands, so that a recording stays within what a learned skill may do."""
-
-
-def facing(yaw: float, pitch: float, roll: float = 0.0) -> Array:
-    """Orientation (4,) of a hand that looks `pitch` [rad] below the horizontal, turned by `yaw` about the vertical.
-
-    The fingers open level, or turned by `roll` about the approach direction. The hand is symmetric under a half turn; as with
-    people, it is never turned over without need.
-    """
-    return (hand_pose((0.0, 0.0, 0.0), yaw, pitch) @ Pose.from_rotvec(np.zeros(3), [0.0, 0.0, roll])).q
-
-
-def offset(p: ArrayLike) -> Pose:
-    """A shift without a turn."""
-    return Pose(np.asarray(p, dtype=np.float64), np.array([1.0, 0.0, 0.0, 0.0]))
-
-
-def along(T: Pose, distance_m: float) -> Pose:
-    """The pose moved along its own approach direction; negative backs off."""
-    return T @ offset([0.0, 0.0, distance_m])
-
-
-def moved(T: Pose, shift: ArrayLike) -> Pose:
-    """The pose shifted in world axes [m]."""
-    return Pose(T.p + np.asarray(shift, dtype=np.float64), T.q)
 
 
 class Hand:

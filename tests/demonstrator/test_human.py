@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from symskill_pddl.demonstrator.human import Faults, Person, Stroke, approach_twice, interpolate, stroke, vary
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose, rotation_distance
-from symskill_pddl.kitchen.human import Faults, Person, Stroke, approach_twice, interpolate, stroke, vary
 
 VIA = (
     Pose.from_rotvec([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
