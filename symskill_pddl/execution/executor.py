@@ -37,7 +37,7 @@ from symskill_pddl.execution.monitor import (
     only_clearance_lacks,
 )
 from symskill_pddl.execution.outcome import Category, Outcome
-from symskill_pddl.execution.recovery import goal_shift, key_of, later_leg, way_in
+from symskill_pddl.execution.recovery import goal_phase, goal_shift, key_of, later_leg, way_in
 from symskill_pddl.execution.runner import Motion, Obstacles, SkillRun
 from symskill_pddl.execution.timing import spreads
 from symskill_pddl.execution.trace import Header, OutcomeLine, TimesLine, TraceWriter, rows, step_line, tick_line
@@ -198,7 +198,7 @@ class _Run:
         if planned is None:
             return self.hopeless()
         for index, step in enumerate(planned.steps):
-            watch, run, _ = self.prepare(planned, index)
+            watch, run, _ = self.prepare(planned, index, blind=True)
             self.announce(watch, Continue("without monitor"), run, 0)
             why, memory = "the skill has ended", Memory()
             while True:
@@ -303,7 +303,7 @@ class _Run:
             rest_s=motion.rest_s,
         )
 
-    def prepare(self, planned: Planned, index: int) -> tuple[Watch, SkillRun, int]:
+    def prepare(self, planned: Planned, index: int, blind: bool = False) -> tuple[Watch, SkillRun, int]:
         """What the monitor watches; the skill bound to its objects, resampled if the step has failed before; how often it has."""
         step, config = planned.steps[index], self.config
         learned = self.library.learned(step.name)
@@ -326,7 +326,15 @@ class _Run:
             if any(kind in other for kind in objects.values()):
                 strange = Obstacles(objects, other, spared, config.motion, self.body.velocities, whole_hand=True)
         run = SkillRun(
-            skill, binding, self.body.scene, config.motion, shift=shift, first=first, obstacles=avoided, strange=strange
+            skill,
+            binding,
+            self.body.scene,
+            config.motion,
+            shift=shift,
+            first=first,
+            awaited=self.awaited(step, skill, binding) if learned.kind == "move" and not blind else None,
+            obstacles=avoided,
+            strange=strange,
         )
         # what is hinged or slides cannot be dropped, and the hand may let go of it and push on
         hinged_s = learned.duration_s[1] if learned.kind == "move" else 0.0
@@ -349,6 +357,13 @@ class _Run:
             still_turn=config.still_turn,
         )
         return watch, run, attempt
+
+    def awaited(self, step: GroundOperator, skill: Skill, binding: Mapping[str, str]) -> tuple[int, Callable[[], bool]] | None:
+        """The phase that brings what is hinged or slides to its place, and whether it is there."""
+        effects = frozenset(a for a in step.add if len(a.args) > 1 and a.predicate not in self.belief.gripper)
+        found = [goal_phase(skill, binding, a.args[-1], grasp=False) for a in effects]
+        places = [place for place in found if place is not None]
+        return (max(places), lambda: effects <= self.body.state) if places else None
 
     def begin_otherwise(self, step: GroundOperator, skill: Skill, binding: Mapping[str, str], assumed: State) -> int:
         """A step that was blocked from where it began is begun elsewhere, or with a later phase; the phase to begin with."""

@@ -96,17 +96,26 @@ def goal_shift(
         classifier = by_name[atom.predicate]
         parent = atom.args[-1]
         grasp = classifier.child == GRIPPER
-        # the goal of a carry is where the fingers still hold; of an approach, its last field
-        fitting = [p for p in skill.phases if binding[p.frame] == parent]
-        goal = next((p for p in reversed(fitting) if grasp or p.close_gripper), fitting[-1] if fitting else None)
-        if goal is None:
+        place = goal_phase(skill, binding, parent, grasp)
+        if place is None:
             continue
+        goal = skill.phases[place]
         sample = classifier.sample(rng, radius=radius)
         if grasp:
             return goal.frame, sample @ classifier.T_mean.inverse()
         T_obj_ee = scene.pose(atom.args[0]).inverse() @ scene.T_world_ee
         return goal.frame, sample @ T_obj_ee @ goal.field.T_goal.inverse()
     return None
+
+
+def goal_phase(skill: Skill, binding: Mapping[str, str], parent: str, grasp: bool) -> int | None:
+    """The phase that ends where a relation to `parent` comes about, None where there is none.
+
+    The goal of a carry is where the fingers still hold; of an approach (`grasp`), its last field.
+    """
+    fitting = [i for i, p in enumerate(skill.phases) if binding[p.frame] == parent]
+    holding = [i for i in fitting if grasp or skill.phases[i].close_gripper]
+    return max(holding or fitting, default=None)
 
 
 def way_in(skill: Skill, binding: Mapping[str, str], scene: Scene) -> Pose | None:

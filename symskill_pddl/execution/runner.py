@@ -71,6 +71,8 @@ class SkillRun:
         A frame and the transform of all fields that live in it (resampled goal).
     first : int
         The phase to begin with.
+    awaited : (int, callable) or None
+        A phase that brings something about, and whether it has: until then only rest ends that phase, its tolerance does not.
     obstacles, strange : callable
         The obstacles of a scene: those that the demonstrations knew, which do not count where they stand around the goal, and
         others.
@@ -90,6 +92,7 @@ class SkillRun:
         *,
         shift: tuple[str, Pose] | None = None,
         first: int = 0,
+        awaited: tuple[int, Callable[[], bool]] | None = None,
         obstacles: Callable[[Scene], Superellipsoids] | None = None,
         strange: Callable[[Scene], Superellipsoids] | None = None,
     ) -> None:
@@ -99,7 +102,7 @@ class SkillRun:
                     f"the skill has a phase in frame '{phase.frame}', the operator's parameters are {alternatives(binding)}"
                 )
         self._skill, self._binding, self._config = skill, binding, config
-        self._shift, self._obstacles, self._strange = shift, obstacles, strange
+        self._shift, self._awaited, self._obstacles, self._strange = shift, awaited, obstacles, strange
         self._fingers = Fingers(scene, config)
         self._stage, self._stage_since = first, scene.time
         self._rest_since = scene.time
@@ -170,11 +173,18 @@ class SkillRun:
 
     def _over(self, phase: Phase, scene: Scene) -> bool:
         T_world_frame, shift = self._frame(phase, scene)
-        if phase.reached(T_world_frame, scene.T_world_ee, shift):
+        if not self._carries_on() and phase.reached(T_world_frame, scene.T_world_ee, shift):
             return True
         if scene.time - self._rest_since < self._config.rest_s:
             return False
         return phase.reached(T_world_frame, scene.T_world_ee, shift, scale=self._config.loose)
+
+    def _carries_on(self) -> bool:
+        """Whether the phase has still to bring about what it is for.
+
+        The tolerance of a hand's position is many degrees of a short lever; the field's end is nearer than that.
+        """
+        return self._awaited is not None and self._awaited[0] == self._stage and not self._awaited[1]()
 
     def _note_rest(self, scene: Scene) -> None:
         dt = scene.time - self._previous.time

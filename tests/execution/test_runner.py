@@ -101,6 +101,18 @@ def test_a_hand_at_rest_near_the_end_of_a_phase_goes_on():
     assert drive(world, strict, 6.0)[-1].stage == 0
 
 
+@pytest.mark.parametrize(("done", "leaves_at"), [(lambda: True, 0.005), (lambda: False, 0.002)])
+def test_a_phase_carries_on_until_it_has_done_its_work_or_rests(done, leaves_at):
+    """The tolerance does not end a phase that still has something to bring about; rest does."""
+    world = FakeWorld()
+    skill = Skill((replace(PICK.phases[1], tolerance_p=0.01), PICK.phases[0]), False)
+    run = SkillRun(skill, BINDING, world.observe(), CONFIG, awaited=(0, done))
+    motions = drive(world, run, 8.0, until=lambda m: m.stage == 1)
+    away = float(np.linalg.norm(world.ee.p - world.cheese.p))
+    assert motions[-1].stage == 1
+    assert (away < leaves_at) if leaves_at < 0.005 else (leaves_at < away <= 0.01)
+
+
 def test_caps():
     world = FakeWorld(ee=Pose([5.0, 5.0, 5.0], DOWN))
     motion = SkillRun(PICK, BINDING, world.observe(), replace(CONFIG, max_speed=0.1)).tick(world.observe())
