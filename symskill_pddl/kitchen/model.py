@@ -19,14 +19,9 @@ from symskill_pddl.kitchen.fixtures import fixtures
 from symskill_pddl.kitchen.layout import SceneLayout
 from symskill_pddl.kitchen.loose import Loose, Mesh
 from symskill_pddl.kitchen.mjcf import CONTACT
+from symskill_pddl.panda.arm import tune as tune_arm
 
-ARM_JOINTS = tuple(f"robot0_joint{i}" for i in range(1, 8))
-FINGER_JOINTS = ("gripper0_right_finger_joint1", "gripper0_right_finger_joint2")
-PADS = ("gripper0_right_finger1_pad_collision", "gripper0_right_finger2_pad_collision")
 EE_SITE = "ee"
-
-FINGER_FORCE = 45.0
-"""Most the fingers' drives give [N], each; the real hand presses with up to 70 N."""
 
 
 def _mesh(name: str, thing: Loose, shape: Mesh) -> Any:
@@ -108,26 +103,13 @@ def _compiled(scene: SceneLayout) -> Any:
 def tune(scene: SceneLayout, model: Any) -> None:
     """Set what the documents of robosuite's parts leave to the defaults: solver, drives, and which shapes are drawn."""
     mujoco = load_mujoco()
-    model.opt.timestep = 0.002
-    model.opt.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    model.opt.impratio = 5.0
-    model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    tune_arm(mujoco, model)
     plain = [loose.body_of(name) for name, thing in scene.loose.items() if not isinstance(thing.shape, Mesh)]
     drawn = {"counter", "room", *scene.units, *scene.parts, *plain}
     for i in range(model.ngeom):
         # robosuite takes inertia from group 0 only; once that is done, group 2 tells what is drawn as it collides
         if model.geom_group[i] == 0 and model.body(model.geom_bodyid[i]).name in drawn:
             model.geom_group[i] = 2
-    for name in ARM_JOINTS:
-        actuator = model.actuator(name.replace("robot0_joint", "robot0_torq_j")).id
-        limit = 87.0 if int(name[-1]) < 5 else 12.0
-        model.actuator_ctrlrange[actuator] = (-limit, limit)
-    for i, name in enumerate(FINGER_JOINTS):
-        actuator = model.actuator(f"gripper0_right_gripper_finger_joint{i + 1}").id
-        # targets behind the closed position: without them a thin bar is held with 7 N only
-        model.actuator_ctrlrange[actuator] = (-0.02, 0.04) if i == 0 else (-0.04, 0.02)
-        model.actuator_forcerange[actuator] = (-FINGER_FORCE, FINGER_FORCE)
-        model.dof_damping[model.joint(name).dofadr[0]] = 60.0
 
 
 def scene_model(scene: SceneLayout) -> Any:

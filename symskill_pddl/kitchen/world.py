@@ -10,11 +10,12 @@ from numpy.random import Generator, default_rng
 
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, Pose
-from symskill_pddl.kitchen import arm, layout
+from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.disturbances import Disturbance, Running
 from symskill_pddl.kitchen.episode import Episode
 from symskill_pddl.kitchen.physics import Physics
 from symskill_pddl.kitchen.tasks import TaskSpec, task_named
+from symskill_pddl.panda import reach
 from symskill_pddl.scene import Command, Scene
 
 PHYSICS_STEPS = 25
@@ -179,13 +180,13 @@ def _set_up(physics: Physics, episode: Episode) -> bool:
     poses = {name: episode.T_world(physics.scene, name) for name in episode.loose}
     for name, T in poses.items():
         physics.set_loose(name, T)
-    start = arm.solve(physics, episode.T_start)
+    start = reach.solve(physics, episode.T_start)
     if start is None:
         return False
     physics.set_arm(start)
     physics.forward()
     door = physics.T_world("door") if "door" in physics.scene.parts else None
-    if any(arm.solve(physics, T, start) is None for T in episode.must_reach(physics.scene, door)):
+    if any(reach.solve(physics, T, start) is None for T in episode.must_reach(physics.scene, door)):
         return False
     for _ in range(20):
         physics.advance(np.zeros(6), False, PHYSICS_STEPS)

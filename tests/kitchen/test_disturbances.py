@@ -6,10 +6,11 @@ import pytest
 from symskill_pddl.demonstrator.poses import hand_pose
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose, rotation_distance
-from symskill_pddl.kitchen import TASKS, arm, layout, make, parse_disturbance
+from symskill_pddl.kitchen import TASKS, layout, make, parse_disturbance
 from symskill_pddl.kitchen.disturbances import KINDS
 from symskill_pddl.kitchen.disturbances.around import carried
 from symskill_pddl.kitchen.judges import covers
+from symskill_pddl.panda import reach
 from symskill_pddl.scene import Command
 
 from .servo import servo
@@ -80,7 +81,7 @@ def test_a_part_is_shut_by_its_name_where_the_scene_has_it(kind):
 
 def aside(kitchen):
     """The arm out of the way of the door."""
-    kitchen.physics.set_arm(arm.solve(kitchen.physics, hand_pose((0.46, 0.43, 0.30), np.radians(-15), np.radians(70))))
+    kitchen.physics.set_arm(reach.solve(kitchen.physics, hand_pose((0.46, 0.43, 0.30), np.radians(-15), np.radians(70))))
     kitchen.physics.forward()
 
 

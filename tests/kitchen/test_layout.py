@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 from symskill_pddl.demonstrator.poses import hand_pose
-from symskill_pddl.kitchen import arm, layout
+from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.layout import Box
+from symskill_pddl.panda import reach
 
 
 def test_hand_pose_looks_where_it_says():
@@ -45,7 +46,7 @@ REACH = {
 @pytest.mark.simulation
 @pytest.mark.parametrize("name", REACH)
 def test_within_reach(physics, name):
-    q = arm.solve(physics, REACH[name])
+    q = reach.solve(physics, REACH[name])
     assert q is not None
     physics.set_arm(q)
     physics.forward()
@@ -55,5 +56,5 @@ def test_within_reach(physics, name):
 @pytest.mark.simulation
 def test_out_of_reach_is_told_and_the_arm_left_alone(physics):
     before = physics.arm.copy()
-    assert arm.solve(physics, hand_pose((1.5, 0.0, 0.3), 0.0, 0.0)) is None
+    assert reach.solve(physics, hand_pose((1.5, 0.0, 0.3), 0.0, 0.0)) is None
     np.testing.assert_array_equal(physics.arm, before)

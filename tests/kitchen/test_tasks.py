@@ -9,8 +9,9 @@ from numpy.random import default_rng
 from symskill_pddl.demonstrator.poses import facing, hand_pose
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose
-from symskill_pddl.kitchen import TASKS, arm, layout, make
+from symskill_pddl.kitchen import TASKS, layout, make
 from symskill_pddl.kitchen.judges import COUNTER_REGION, covers, in_rack, inside
+from symskill_pddl.panda import reach
 from symskill_pddl.scene import Command
 
 SEEDS = range(30)
@@ -125,7 +126,7 @@ def test_a_hand_on_the_bar_of_a_shut_drawer_is_no_success():
     kitchen = make("CloseDrawer", 0)
     move(kitchen, "drawer", 0.0)
     bar = kitchen.physics.T_world("drawer").apply(layout.PARTS["drawer"].grip)
-    kitchen.physics.set_arm(arm.solve(kitchen.physics, Pose(bar, facing(0.0, np.radians(60), -np.pi / 2))))
+    kitchen.physics.set_arm(reach.solve(kitchen.physics, Pose(bar, facing(0.0, np.radians(60), -np.pi / 2))))
     kitchen.physics.forward()
     assert not kitchen.succeeded()
 
@@ -135,7 +136,7 @@ def test_a_hand_on_the_handle_is_no_success():
     kitchen = make("CloseSingleDoor", 0)
     turn(kitchen, 0)
     handle = kitchen.physics.T_world("door").apply(layout.HANDLE)
-    kitchen.physics.set_arm(arm.solve(kitchen.physics, hand_pose(handle, np.radians(15), np.radians(20))))
+    kitchen.physics.set_arm(reach.solve(kitchen.physics, hand_pose(handle, np.radians(15), np.radians(20))))
     kitchen.physics.forward()
     assert not kitchen.succeeded()
 
@@ -170,7 +171,7 @@ def test_a_food_in_motion_or_in_the_hand_is_no_success():
     kitchen.physics.data.joint(f"{food}_joint0").qvel[0] = 0.1
     assert not kitchen.succeeded()
     put(kitchen, food, (0.45, 0.30, 0.025))
-    kitchen.physics.set_arm(arm.solve(kitchen.physics, hand_pose((0.45, 0.30, 0.04), 0.0, np.radians(50))))
+    kitchen.physics.set_arm(reach.solve(kitchen.physics, hand_pose((0.45, 0.30, 0.04), 0.0, np.radians(50))))
     kitchen.physics.forward()
     assert not kitchen.succeeded()
 

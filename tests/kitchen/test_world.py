@@ -6,7 +6,8 @@ import pytest
 from symskill_pddl.demonstrator.poses import hand_pose
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose, quat_conjugate, quat_log, quat_multiply, rotation_distance
-from symskill_pddl.kitchen import TASKS, arm, layout, make
+from symskill_pddl.kitchen import TASKS, layout, make
+from symskill_pddl.panda import reach
 from symskill_pddl.scene import Command, Timed
 
 from .servo import servo
@@ -83,7 +84,7 @@ def test_commands_beyond_the_limits_are_scaled_down():
 def test_a_pushed_door_moves_and_stays_where_it_is_left():
     kitchen = make("OpenSingleDoor", 0)
     # out of the way of the door
-    kitchen.physics.set_arm(arm.solve(kitchen.physics, hand_pose((0.46, 0.43, 0.10), np.radians(-15.0), np.radians(70.0))))
+    kitchen.physics.set_arm(reach.solve(kitchen.physics, hand_pose((0.46, 0.43, 0.10), np.radians(-15.0), np.radians(70.0))))
     kitchen.physics.loads.append(lambda: kitchen.physics.data.qfrc_applied.__setitem__(kitchen.physics.joint_v("door"), 3.0))
     for _ in range(20):
         kitchen.step(Command.hold(False))

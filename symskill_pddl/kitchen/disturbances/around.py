@@ -57,11 +57,11 @@ def slides(physics: Physics, name: str, target: Array) -> bool:
 
 def _within_reach(physics: Physics, p: Array) -> bool:
     """Whether a steep hand gets there. The search moves the arm: its state is put back."""
-    from symskill_pddl.kitchen import arm
+    from symskill_pddl.panda import reach
 
     data = physics.data
     before = data.qpos.copy(), data.qvel.copy(), data.qacc_warmstart.copy()
-    found = arm.solve(physics, hand_pose(p, 0.0, np.radians(78.0)), physics.arm.copy()) is not None
+    found = reach.solve(physics, hand_pose(p, 0.0, np.radians(78.0)), physics.arm.copy()) is not None
     data.qpos[:], data.qvel[:], data.qacc_warmstart[:] = before
     physics.forward()
     data.qacc_warmstart[:] = before[2]
