@@ -8,8 +8,9 @@ from functools import reduce
 from math import ceil
 
 from symskill_pddl.evaluation.ablations import without
-from symskill_pddl.evaluation.suite import PRESETS, Suite
+from symskill_pddl.evaluation.suite import Suite, presets
 from symskill_pddl.kitchen import TASKS
+from symskill_pddl.kitchen.arena import ARENA
 from symskill_pddl.kitchen.disturbances import ANY, KINDS
 
 SHOWN = 5
@@ -112,22 +113,23 @@ def _lacking(task: str, recorded: Collection[str]) -> str:
 
 
 def _wished() -> list[Entry]:
-    atomic = PRESETS["atomic"].tasks
+    named = presets(ARENA)
+    atomic = named["atomic"].tasks
     made = [Entry(ATOMIC, "atomic", atomic, 50, against=("monitor",))]
     made.append(Entry(STORE, "store", ("StoreCheese", "PutCheeseAway"), 50))
     made.append(Entry(LONG, "operators-12", ("MakeBreakfast",), 50))
     made.append(Entry(LONG, "operators-24", ("CookDinner",), 30))
-    if PRESETS["play"].tasks:
-        made.append(Entry(PLAY, "play", PRESETS["play"].tasks, 30, shown=0))
+    if named["play"].tasks:
+        made.append(Entry(PLAY, "play", named["play"].tasks, 30, shown=0))
     for name in KINDS:
-        preset = PRESETS[name] if name != ANY else PRESETS["mixed"]
+        preset = named[name] if name != ANY else named["mixed"]
         figure = ALONE if name != ANY else MIXED
         shown = 0 if preset.tasks and TASKS[preset.tasks[0]].kind == "play goal" else SHOWN
         if preset.tasks:
             made.append(
                 Entry(figure, f"with-{name}", preset.tasks, 30, name, shown, preset.disturbances, ("monitor",), spread=True)
             )
-    made.append(Entry(MIXED, "atomic-mixed", atomic, 10, "any", SHOWN, PRESETS["mixed"].disturbances, ("monitor",)))
+    made.append(Entry(MIXED, "atomic-mixed", atomic, 10, "any", SHOWN, named["mixed"].disturbances, ("monitor",)))
     # a lid or a door that is shut again takes another plan; a plate that is moved is followed by the field alone; what stands in
     # the way is flowed around. For the last two the monitor is off: it would make up for what is missing
     by = {"off": ("monitor",)}

@@ -206,9 +206,10 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path, default=Path("docs/benchmarks-learning.md"))
     args = parser.parse_args()
     if args.record:
-        from symskill_pddl.evaluation.suite import PRESETS
+        from symskill_pddl.evaluation.suite import of_kind
+        from symskill_pddl.kitchen.arena import ARENA
 
-        shown = recorded(PRESETS["atomic"].tasks, 10)
+        shown = recorded(of_kind(ARENA, "atomic"), 10)
     else:
         # one unsegmented recording of play is no task of which demonstrations could be drawn
         shown = {task: pairs for task, pairs in loaded(args.files or shipped_demos()).items() if len(pairs) > 1}

@@ -7,10 +7,14 @@ from pathlib import Path
 
 import pytest
 
+from symskill_pddl.worlds import ARENAS
+
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "symskill_pddl"
 HEAVY = ("numpy", "scipy", "sklearn", "cvxpy", "h5py", "numba", "mujoco", "robosuite", "unified_planning")
 SIMULATORS = ("mujoco", "robosuite")
+WORLDS = tuple(where.split(":")[0].rsplit(".", 1)[0] for where in ARENAS.values())
+NO_WORLD = ("learning", "skills", "pddl", "planning", "execution", "evaluation")
 
 
 def contracts() -> list[dict[str, object]]:
@@ -50,6 +54,8 @@ def test_contracts_hold() -> None:
         ("symskill_pddl.demos", SIMULATORS),
         ("symskill_pddl.execution.executor", SIMULATORS),
         ("symskill_pddl.kitchen", SIMULATORS),
+        ("symskill_pddl.evaluation.suite", WORLDS),
+        ("symskill_pddl.kitchen.arena", SIMULATORS),
         ("symskill_pddl.report", SIMULATORS),
     ],
 )
@@ -65,6 +71,8 @@ def test_importing_a_room_loads_nothing_it_should_not_need(modules: str, unwante
         ("symbols.py", "import symskill_pddl.scene", "symbols imports errors"),
         ("pddl/names.py", "import numpy", "need no numpy"),
         ("execution/executor.py", "import mujoco", "know a simulator"),
+        ("learning/goals.py", "import symskill_pddl.kitchen", "knows no world"),
+        ("evaluation/trial.py", "from symskill_pddl.kitchen import make", "knows no world"),
     ],
 )
 def test_a_forbidden_import_is_found(tmp_path: Path, file: str, line: str, contract: str) -> None:
@@ -81,3 +89,28 @@ def test_a_forbidden_import_is_found(tmp_path: Path, file: str, line: str, contr
     )
     assert done.returncode == 1, done.stdout + done.stderr
     assert any(contract in row and "BROKEN" in row for row in done.stdout.splitlines()), done.stdout
+
+
+@pytest.mark.parametrize("room", NO_WORLD)
+def test_what_learns_plans_and_runs_does_not_even_name_a_world(room: str) -> None:
+    sources = [p for p in (PACKAGE / room).rglob("*") if p.suffix in (".py", ".j2")]
+    assert len(sources) > 3
+    for source in sources:
+        text = source.read_text().lower()
+        assert [name for name in ARENAS if name in text] == [], source
+
+
+def test_a_world_is_known_to_its_room_and_to_the_table() -> None:
+    forbidden = {str(m) for c in contracts() if "knows no world" in str(c["name"]) for m in c["forbidden_modules"]}  # type: ignore[attr-defined]
+    assert forbidden == set(WORLDS)
+    assert {f"symskill_pddl.{room}" for room in NO_WORLD} <= {
+        str(m)
+        for c in contracts()
+        if "knows no world" in str(c["name"])
+        for m in c["source_modules"]  # type: ignore[attr-defined]
+    }
+    for world in WORLDS:
+        own = PACKAGE / world.split(".")[1]
+        others = {other.split(".")[1] for other in WORLDS} - {own.name}
+        imports = "\n".join(line for p in own.rglob("*.py") for line in p.read_text().splitlines() if "import" in line)
+        assert not [other for other in others if f"symskill_pddl.{other}" in imports]

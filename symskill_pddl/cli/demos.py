@@ -8,31 +8,35 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
-from symskill_pddl.cli.options import JsonFlag, LibraryArgument, pairs, require_folder
+from symskill_pddl.cli.options import JsonFlag, LibraryArgument, WorldOption, pairs, require_folder
 from symskill_pddl.errors import InputError
-
-TRACE = ".jsonl"
-
+from symskill_pddl.worlds import DEFAULT
 
 if TYPE_CHECKING:
     from symskill_pddl.learning.vision import VisionSelector
 
+TRACE = ".jsonl"
+
 
 def record(
-    task: Annotated[str, typer.Argument(metavar="TASK", help="A task of the kitchen.")],
+    task: Annotated[str, typer.Argument(metavar="TASK", help="A task of the world.")],
     output: Annotated[Path, typer.Option("-o", "--output", help="The HDF5 file to write.")],
     n: Annotated[int, typer.Option("-n", help="How many demonstrations.")] = 10,
     seed: Annotated[int, typer.Option(help="Seed of the first episode.")] = 0,
+    world: WorldOption = DEFAULT,
 ) -> None:
-    """Record demonstrations of a task in the simulated kitchen."""
+    """Record demonstrations of a task in a simulated world."""
+    from symskill_pddl.arena import Recordable
     from symskill_pddl.demos import save_demos
-    from symskill_pddl.kitchen import task_named
-    from symskill_pddl.kitchen.record import record_with_truth
+    from symskill_pddl.worlds import arena_named, check_task
 
-    task_named(task)
+    arena = arena_named(world)
+    check_task(arena, task)
+    if not isinstance(arena, Recordable):
+        raise InputError(f"the world '{world}' has no demonstrator")
     require_folder(output)
     with progress(f"recording {n} demonstrations of {task}"):
-        demos, truths = record_with_truth(task, n, seed)
+        demos, truths = arena.record(task, n, seed)
     save_demos(output, demos, truths)
     remark(f"{output}: {len(demos)} demonstrations, {sum(d.duration_s for d in demos):.0f} s")
 

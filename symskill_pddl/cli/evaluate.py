@@ -22,10 +22,12 @@ from symskill_pddl.cli.options import (
     NoResamplingFlag,
     NoTrackingFlag,
     PlannerOption,
+    WorldOption,
     make_folder,
     require_folder,
 )
 from symskill_pddl.errors import InputError
+from symskill_pddl.worlds import DEFAULT
 
 if TYPE_CHECKING:
     from symskill_pddl.evaluation.paired import Difference
@@ -40,10 +42,11 @@ def evaluate(
     tasks: Annotated[str | None, typer.Option("--tasks", help="all, or names separated by commas.")] = None,
     suite: Annotated[
         str | None,
-        typer.Option("--suite", help="atomic, composed, play, disturbed, mixed, or a disturbance: tasks and what goes wrong."),
+        typer.Option("--suite", help="Tasks and what goes wrong by one name: atomic, composed, or another that the world has."),
     ] = None,
     trials: Annotated[int, typer.Option("--trials", help="Episodes per task.")] = 20,
     seed: Annotated[int, typer.Option("--seed", help="Seed of the first episode.")] = 1000,
+    world: WorldOption = DEFAULT,
     planner: PlannerOption = None,
     domain: EditedOption = None,
     no_monitor: NoMonitorFlag = False,
@@ -74,13 +77,14 @@ def evaluate(
     from symskill_pddl.evaluation.paired import compare
     from symskill_pddl.evaluation.spread import Processes, Ray
     from symskill_pddl.evaluation.suite import Suite, chosen
+    from symskill_pddl.worlds import arena_named
 
     config = work.execution_config(
         no_resampling=no_resampling, no_replanning=no_replanning, no_tracking=no_tracking, no_obstacles=no_obstacles
     )
-    preset, mechanisms = chosen(tasks, suite), against or []
+    preset, mechanisms = chosen(arena_named(world), tasks, suite), against or []
     disturbances = (*preset.disturbances, *(disturb or ()))
-    asked = Suite(preset.tasks, trials, seed, planner or "auto", not no_monitor, disturbances, config)
+    asked = Suite(preset.tasks, trials, seed, planner or "auto", not no_monitor, disturbances, config, world)
     if len(set(mechanisms)) < len(mechanisms):
         raise InputError(f"--against names a mechanism twice: {', '.join(mechanisms)}")
     others = {mechanism: without(asked, mechanism) for mechanism in mechanisms}

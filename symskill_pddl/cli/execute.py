@@ -27,16 +27,18 @@ from symskill_pddl.cli.options import (
     SeedOption,
     TaskOption,
     VideoOption,
+    WorldOption,
     require_folder,
 )
 from symskill_pddl.errors import InputError
+from symskill_pddl.worlds import DEFAULT
 
 if TYPE_CHECKING:
+    from symskill_pddl.arena import Film
     from symskill_pddl.evaluation.results import EpisodeResult
     from symskill_pddl.evaluation.trial import Episode
     from symskill_pddl.execution.config import ExecutionConfig
     from symskill_pddl.execution.outcome import Outcome
-    from symskill_pddl.kitchen.film import Film
     from symskill_pddl.library import Library
     from symskill_pddl.planning import Planner
 
@@ -45,6 +47,7 @@ def run(
     library: LibraryArgument,
     task: TaskOption,
     seed: SeedOption = 0,
+    world: WorldOption = DEFAULT,
     planner: PlannerOption = None,
     goal: GoalOption = None,
     domain: EditedOption = None,
@@ -61,13 +64,13 @@ def run(
     video: VideoOption = None,
     json: JsonFlag = False,
 ) -> None:
-    """Plan and carry out a task in the kitchen. Exit status 1 if the goal is missed."""
+    """Plan and carry out a task. Exit status 1 if the goal is missed."""
     from symskill_pddl.evaluation.trial import prepare
     from symskill_pddl.planning import get
 
     if trace is not None:
         require_folder(trace)
-    check_video(video)
+    check_video(video, world)
     if problem is not None and (domain is None or goal is not None):
         raise InputError("--problem needs --domain, whose problem it is, and states the goal, so --goal cannot stand with it")
     learned, engine, posed = work.open_library(library), get(planner or "auto"), None
@@ -77,14 +80,14 @@ def run(
             remark(str(finding))
         posed = work.posed_problem(problem, written, comparison) if problem is not None else None
     with progress(f"setting up {task}, seed {seed}"):
-        episode = prepare(learned, task, seed, goal=goal, posed=posed, disturbances=disturb or ())
+        episode = prepare(learned, task, seed, world=world, goal=goal, posed=posed, disturbances=disturb or ())
     for note in episode.notes:
         remark(note)
     checksum = work.checksum(library, domain)
     config = work.execution_config(
         no_resampling=no_resampling, no_replanning=no_replanning, no_tracking=no_tracking, no_obstacles=no_obstacles
     )
-    with filmed(episode.kitchen, video) as film:
+    with filmed(episode.world, video, world) as film:
         result, outcome = run_shown(
             learned, episode, seed, engine, monitor=not no_monitor, trace=trace, checksum=checksum, config=config, film=film
         )
@@ -113,12 +116,12 @@ def run_shown(
     from symskill_pddl.execution.trace import TraceWriter
 
     with ExitStack() as stack:
-        advance = stack.enter_context(progress(f"running {episode.kitchen.task}, seed {seed}"))
+        advance = stack.enter_context(progress(f"running {episode.world.task}, seed {seed}"))
 
         def shown(line: Any) -> None:
             if line.event == "step":
                 text = " ".join((line.step.name, *line.step.args))
-                advance(text=f"{episode.kitchen.task} at {line.time:.0f} s: {text}")
+                advance(text=f"{episode.world.task} at {line.time:.0f} s: {text}")
                 if film is not None:
                     film.caption = text
 
@@ -144,7 +147,7 @@ def run_shown(
 def outcome_json(episode: Episode, result: EpisodeResult, outcome: Outcome) -> dict[str, Any]:
     """A run for programs."""
     return {
-        "task": episode.kitchen.task,
+        "task": episode.world.task,
         "goal": [str(a) for a in sorted(episode.problem.goal)],
         **result.model_dump(exclude={"steps", "recoveries"}),
         "recoveries": list(outcome.recoveries),

@@ -12,32 +12,38 @@ from symskill_pddl.cli.options import require_folder
 from symskill_pddl.errors import InputError
 
 if TYPE_CHECKING:
-    from symskill_pddl.kitchen.film import Film
-    from symskill_pddl.kitchen.world import Kitchen
+    from symskill_pddl.arena import Film, Filmable, OpenEpisode
 
 
-def check_video(path: Path | None) -> None:
+def check_video(path: Path | None, world: str) -> None:
     """Find out before the work, not after it, that there could be no film."""
     if path is None:
         return
-    from symskill_pddl.kitchen.film import check_film
-
+    arena = _filmable(world)
     if path.suffix != ".mp4":
         raise InputError(f"--video '{path}': a film is an MP4 file, give a name that ends in .mp4")
     require_folder(path)
-    check_film()
+    arena.check_film()
 
 
 @contextmanager
-def filmed(kitchen: Kitchen, path: Path | None) -> Iterator[Film | None]:
-    """Film what happens in the kitchen, if there is a path to write it to."""
+def filmed(episode: OpenEpisode, path: Path | None, world: str) -> Iterator[Film | None]:
+    """Film what happens in an episode of a world, if there is a path to write it to."""
     if path is None:
         yield None
         return
-    from symskill_pddl.kitchen.film import Film
-
-    with Film(kitchen) as film:
+    with _filmable(world).film(episode) as film:
         yield film
         with progress(f"drawing {len(film)} pictures", total=len(film)) as advance:
             film.save(path, advance)
     remark(f"{path}: written")
+
+
+def _filmable(world: str) -> Filmable:
+    from symskill_pddl.arena import Filmable
+    from symskill_pddl.worlds import arena_named
+
+    arena = arena_named(world)
+    if not isinstance(arena, Filmable):
+        raise InputError(f"--video: the world '{world}' cannot be filmed")
+    return arena

@@ -9,10 +9,12 @@ from typing import Annotated
 import typer
 
 from symskill_pddl.errors import InputError
+from symskill_pddl.worlds import ARENAS
 
 LibraryArgument = Annotated[Path, typer.Argument(metavar="LIBRARY", help="Folder of a learned library.")]
 JsonFlag = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
-TaskOption = Annotated[str, typer.Option("--task", help="A task of the kitchen.")]
+WorldOption = Annotated[str, typer.Option("--world", help=f"{', '.join(ARENAS)}, or MODULE:NAME for one of your own.")]
+TaskOption = Annotated[str, typer.Option("--task", help="A task of the world.")]
 SeedOption = Annotated[int, typer.Option("--seed", help="Seed of the episode.")]
 GoalOption = Annotated[
     str | None, typer.Option("--goal", metavar="ATOMS", help='Instead of the learned goal: "(atom object ...) ...".')

@@ -18,10 +18,12 @@ from symskill_pddl.cli.options import (
     PlannerOption,
     SeedOption,
     TaskOption,
+    WorldOption,
     make_folder,
     write_text,
 )
 from symskill_pddl.errors import NoPlanError
+from symskill_pddl.worlds import DEFAULT
 
 UNIFIED = "unified-planning:"
 
@@ -48,6 +50,7 @@ def problem(
     task: TaskOption,
     output: Annotated[Path, typer.Option("-o", "--output", help="The problem file to write.")],
     seed: SeedOption = 0,
+    world: WorldOption = DEFAULT,
     goal: GoalOption = None,
     dialect: DialectOption = "strips",
     name: NameOption = "learned",
@@ -58,7 +61,7 @@ def problem(
 
     learned = work.open_library(library)
     with progress(f"setting up {task}, seed {seed}"):
-        episode = prepare(learned, task, seed, goal=goal, domain_name=name)
+        episode = prepare(learned, task, seed, world=world, goal=goal, domain_name=name)
     header = [f"task {task}, seed {seed}"]
     for assumption in episode.assumed:
         thing = assumption.atom.args[0]

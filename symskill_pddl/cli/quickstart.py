@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from symskill_pddl.execution.outcome import Outcome, StepRecord
     from symskill_pddl.execution.trace import Trace
 
+WORLD = "kitchen"
+"""It comes with demonstrations."""
 DISTURBANCE = "close-door@op={}"
 """Somebody shuts the cabinet when the step before the middle of the plan starts."""
 
@@ -36,22 +38,23 @@ def quickstart(
     from symskill_pddl.cli.views import operator_table
     from symskill_pddl.evaluation.trial import prepare
     from symskill_pddl.execution.trace import read_trace
-    from symskill_pddl.kitchen import parse_disturbance, task_named
     from symskill_pddl.pddl import write_plan
     from symskill_pddl.planning import get
+    from symskill_pddl.worlds import arena_named, check_task
 
     begin = monotonic()
-    task_named(task)
+    arena = arena_named(WORLD)
+    check_task(arena, task)
     for spec in disturb or ():
-        parse_disturbance(spec)
-    check_video(video)
+        arena.check_disturbance(spec)
+    check_video(video, WORLD)
     files = work.shipped_demos()
     make_folder(output)
     library, learning = work.learn_from(files, output / "library")
 
-    domain, _ = work.export_domain(library, output, "kitchen", "strips", {})
+    domain, _ = work.export_domain(library, output, WORLD, "strips", {})
     with progress(f"setting up {task}, seed {seed}"):
-        episode = prepare(library, task, seed, domain_name="kitchen")
+        episode = prepare(library, task, seed, world=WORLD, domain_name=WORLD)
     header = (f"task {task}, seed {seed}",)
     work.export_problem(episode.problem, episode.domain, output / "problem.pddl", "strips", {}, header)
 
@@ -64,10 +67,10 @@ def quickstart(
 
     disturbances = disturb or [DISTURBANCE.format(max(0, len(plan) // 2 - 1))]
     # same task, same seed: the same episode, now with something going wrong
-    episode = prepare(library, task, seed, disturbances=disturbances, domain_name="kitchen")
+    episode = prepare(library, task, seed, world=WORLD, disturbances=disturbances, domain_name=WORLD)
     checksum = work.checksum(output / "library")
     trace, page = output / "trace.jsonl", output / "report.html"
-    with filmed(episode.kitchen, video) as film:
+    with filmed(episode.world, video, WORLD) as film:
         found, outcome = run_shown(library, episode, seed, engine, monitor=True, trace=trace, checksum=checksum, film=film)
     work.write_report(trace, page, library)
 

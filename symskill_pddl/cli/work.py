@@ -305,6 +305,7 @@ def write_report(source: Path, output: Path, library: Library | None = None) -> 
         ]
         settings = results.settings
         facts = (
+            ("world", settings.world),
             ("seeds", f"{settings.seed} to {settings.seed + settings.trials - 1}"),
             ("planner", settings.planner),
             ("switched off", ", ".join(switched_off(settings)) or "nothing"),

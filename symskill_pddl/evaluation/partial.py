@@ -116,8 +116,7 @@ class Partial:
                 ) from None
 
     def _compare(self, found: Started, wanted: Started) -> None:
-        before = {**found.settings.model_dump(), "tasks": found.tasks}
-        now = {**wanted.settings.model_dump(), "tasks": wanted.tasks}
+        before, now = ({**dict(line.settings), "tasks": line.tasks} for line in (found, wanted))
         if different := [f"{name} {_text(before[name])}, now {_text(now[name])}" for name in now if before[name] != now[name]]:
             raise InputError(
                 f"'{self.path}' holds episodes of another evaluation ({'; '.join(different)}); "

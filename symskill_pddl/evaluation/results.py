@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, SerializerFunctionWrapHandler, ValidationError, model_serializer
 
 from symskill_pddl.errors import FormatError, InputError
 from symskill_pddl.evaluation.statistics import median, wilson
 from symskill_pddl.files import write_atomic
+from symskill_pddl.worlds import DEFAULT
 
 CONFIDENCE = 0.95
 
@@ -67,6 +68,8 @@ class TaskResult(_Part):
 class Settings(_Part):
     """What the suite was asked to do."""
 
+    world: str = DEFAULT
+    """Left out of the file where it is this."""
     library: str
     """Checksum of the library."""
     planner: str
@@ -78,6 +81,13 @@ class Settings(_Part):
     disturbances: tuple[str, ...]
     seed: int
     trials: int
+
+    @model_serializer(mode="wrap")
+    def _plain(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        fields: dict[str, Any] = write(self)
+        if self.world == DEFAULT:
+            del fields["world"]
+        return fields
 
 
 class Results(_Part):

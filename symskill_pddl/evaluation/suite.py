@@ -8,18 +8,16 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
+from symskill_pddl.arena import Arena, Kind, Preset
 from symskill_pddl.errors import InputError, MissingDependencyError, SymSkillError, alternatives
 from symskill_pddl.evaluation.results import EpisodeResult, Results, Settings, TaskResult, summarise
 from symskill_pddl.evaluation.spread import Key, Pool, Processes, Work
 from symskill_pddl.evaluation.trial import prepare, run_episode
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.trace import TraceWriter
-from symskill_pddl.kitchen import TASKS, parse_disturbance, task_named
-from symskill_pddl.kitchen.disturbances import ANY, KINDS, Kind
 from symskill_pddl.library import Library
 from symskill_pddl.planning import get
+from symskill_pddl.worlds import DEFAULT, arena_named, check_task
 
 ERROR = "not run"
 """Category of an episode that could not be set up; it counts as a failure."""
@@ -36,6 +34,7 @@ class Suite:
     monitor: bool = True
     disturbances: tuple[str, ...] = ()
     config: ExecutionConfig = field(default_factory=ExecutionConfig)
+    world: str = DEFAULT
 
     def __post_init__(self) -> None:
         if self.trials < 1 or self.seed < 0:
@@ -44,10 +43,11 @@ class Suite:
             )
         if not self.tasks or len(set(self.tasks)) != len(self.tasks):
             raise InputError(f"an evaluation needs one or more different tasks, got: {', '.join(self.tasks) or 'none'}")
+        arena = arena_named(self.world)
         for task in self.tasks:
-            task_named(task)
+            check_task(arena, task)
         for spec in self.disturbances:
-            parse_disturbance(spec)
+            arena.check_disturbance(spec)
         get(self.planner)
 
     @property
@@ -58,6 +58,7 @@ class Suite:
     def settings(self, checksum: str) -> Settings:
         """What its results file says of it; `checksum` is the library's."""
         return Settings(
+            world=self.world,
             library=checksum,
             planner=get(self.planner).name,
             monitor=self.monitor,
@@ -71,68 +72,42 @@ class Suite:
         )
 
 
-@dataclass(frozen=True)
-class Preset:
-    """Tasks and disturbances that go by one name."""
-
-    tasks: tuple[str, ...]
-    disturbances: tuple[str, ...] = ()
+def presets(arena: Arena) -> Mapping[str, Preset]:
+    """Suites by name: all tasks of a kind, and what else the arena has."""
+    kinds = {"atomic": of_kind(arena, "atomic"), "composed": of_kind(arena, "composed"), "play": of_kind(arena, "play goal")}
+    return {name: Preset(tasks) for name, tasks in kinds.items() if tasks} | dict(arena.presets)
 
 
-def _of_kind(*kinds: str) -> tuple[str, ...]:
-    return tuple(name for name, task in TASKS.items() if task.kind in kinds)
+def of_kind(arena: Arena, *kinds: Kind) -> tuple[str, ...]:
+    """The arena's tasks of these kinds."""
+    return tuple(name for name, kind in arena.tasks.items() if kind in kinds)
 
 
-_ALL = _of_kind("atomic", "composed")
-
-
-def _concerned(kind: Kind) -> tuple[str, ...]:
-    """The tasks that a kind of disturbance concerns, as far as one episode tells; of play only if it concerns no others."""
-
-    def found(names: tuple[str, ...]) -> tuple[str, ...]:
-        return tuple(name for name in names if kind.concerns(TASKS[name].draw(np.random.default_rng(0)).focus))
-
-    return found(_ALL) or found(_of_kind("play goal"))
-
-
-PRESETS = {
-    "atomic": Preset(_of_kind("atomic")),
-    "composed": Preset(_of_kind("composed")),
-    # for a library learned from play
-    "play": Preset(_of_kind("play goal")),
-    # when the fifth step starts the door has just been opened, and the hand is about to reach inside
-    "disturbed": Preset(("StoreCheese",), ("close-door@op=4",)),
-    # each disturbance once, at a moment that is drawn, in every task that it concerns
-    **{name: Preset(_concerned(kind), (f"{name}@p=0.02x1",)) for name, kind in KINDS.items() if name != ANY},
-    # one of all, every ten seconds on average
-    "mixed": Preset(_concerned(KINDS[ANY]), (f"{ANY}@p=0.005",)),
-}
-
-
-def chosen(tasks: str | None, preset: str | None) -> Preset:
-    """What an evaluation is asked for: tasks by name, or one of `PRESETS`.
+def chosen(arena: Arena, tasks: str | None, preset: str | None) -> Preset:
+    """What an evaluation is asked for: tasks by name, or one of the `presets`.
 
     Raises
     ------
     InputError
         Neither or both are given, or one is unknown.
     """
-    if (tasks is None) == (preset is None):
-        raise InputError(f"an evaluation needs either --tasks or --suite; suites: {alternatives(PRESETS)}")
-    if preset is None:
-        return Preset(tasks_named(tasks or ""))
-    if preset not in PRESETS:
-        raise InputError(f"unknown suite '{preset}'; there are: {alternatives(PRESETS)}")
-    return PRESETS[preset]
+    if tasks is not None and preset is None:
+        return Preset(tasks_named(arena, tasks))
+    known = presets(arena)
+    if preset is None or tasks is not None:
+        raise InputError(f"an evaluation needs either --tasks or --suite; suites: {alternatives(known)}")
+    if preset not in known:
+        raise InputError(f"unknown suite '{preset}'; there are: {alternatives(known)}")
+    return known[preset]
 
 
-def tasks_named(text: str) -> tuple[str, ...]:
-    """A comma-separated list of tasks, or ``all``: the atomic and the composed ones of the kitchen, not those of play."""
+def tasks_named(arena: Arena, text: str) -> tuple[str, ...]:
+    """A comma-separated list of tasks, or ``all``: the atomic and the composed ones, not those of play."""
     if text == "all":
-        return _ALL
+        return of_kind(arena, "atomic", "composed")
     names = tuple(name.strip() for name in text.split(",") if name.strip())
     if not names:
-        raise InputError(f"no task named; there are: all, {alternatives(TASKS)}")
+        raise InputError(f"no task named; there are: all, {alternatives(arena.tasks)}")
     return names
 
 
@@ -179,7 +154,7 @@ def _begin(load: Callable[[Path], Library], path: Path, suite: Suite, failed: Pa
 def run_one(library: Library, suite: Suite, task: str, seed: int, *, failed: Path | None = None) -> EpisodeResult:
     """One episode of a suite; what cannot be set up counts as failed, with its reason. `failed` is for its trace if it fails."""
     try:
-        episode = prepare(library, task, seed, disturbances=suite.disturbances)
+        episode = prepare(library, task, seed, world=suite.world, disturbances=suite.disturbances)
         with ExitStack() as stack:
             trace = stack.enter_context(TraceWriter(failed / f"{task}-{seed}.jsonl")) if failed is not None else None
             result, _ = run_episode(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from symskill_pddl.abstraction import abstract
+from symskill_pddl.arena import Disturbed, OpenEpisode
 from symskill_pddl.evaluation.goals import goal_atoms, resting_atoms
 from symskill_pddl.evaluation.posed import placed, unlike
 from symskill_pddl.evaluation.results import EpisodeResult, count
@@ -17,14 +18,11 @@ from symskill_pddl.execution.executor import execute
 from symskill_pddl.execution.outcome import Category, Cause, Outcome
 from symskill_pddl.execution.recovery import Assumption, nearest_symbols
 from symskill_pddl.execution.trace import Header, NoteLine, TraceWriter
-from symskill_pddl.kitchen import make, task_named
-from symskill_pddl.kitchen.layout import OBSTACLE
-from symskill_pddl.kitchen.world import Kitchen
 from symskill_pddl.library import Library
 from symskill_pddl.pddl import Names, read_atoms
 from symskill_pddl.planning import Planner
-from symskill_pddl.scene import Scene
 from symskill_pddl.symbols import Domain, Problem, State
+from symskill_pddl.worlds import DEFAULT, arena_named, check_task
 
 JUDGE = "judge disagrees"
 """Category of a run whose goal atoms hold and whose judge, who sees the simulator's own state, saw no success."""
@@ -32,11 +30,11 @@ JUDGE = "judge disagrees"
 
 @dataclass(frozen=True, eq=False)
 class Episode:
-    """An episode of the kitchen, as a problem.
+    """An episode, as a problem.
 
     Attributes
     ----------
-    kitchen : Kitchen
+    world : OpenEpisode
     domain : Domain
         The library's, under the library's own names.
     problem : Problem
@@ -50,7 +48,7 @@ class Episode:
         How the first scene differs from the problem that the caller posed.
     """
 
-    kitchen: Kitchen
+    world: OpenEpisode
     domain: Domain
     problem: Problem
     judged: bool
@@ -63,6 +61,7 @@ def prepare(
     task: str,
     seed: int,
     *,
+    world: str = DEFAULT,
     goal: str | None = None,
     posed: Problem | None = None,
     disturbances: Sequence[str] = (),
@@ -72,6 +71,8 @@ def prepare(
 
     Parameters
     ----------
+    world : str
+        Which arena it is in, as for `arena.arena_named`.
     goal : str, optional
         ``(atom object ...) ...`` instead of the learned goal of the task; names as in the library or as exported.
     posed : Problem, optional
@@ -80,11 +81,14 @@ def prepare(
     Raises
     ------
     InputError
-        Unknown task or disturbance, no learned goal, or a goal or problem that does not fit the library or the scene.
+        Unknown world, task or disturbance, no learned goal, or a goal or problem that does not fit the library or the scene.
     """
-    spec = task_named(task)
-    kitchen = make(task, seed, disturbances)
-    scene = kitchen.observe()
+    arena = arena_named(world)
+    check_task(arena, task)
+    for spec in disturbances:
+        arena.check_disturbance(spec)
+    opened = arena.open(task, seed, disturbances)
+    scene = opened.observe()
     domain = library.domain(domain_name)
     known = {t.name for t in library.types}
     objects = {name: kind for name, kind in scene.objects.items() if kind in known}
@@ -98,17 +102,17 @@ def prepare(
         atoms = stated_goal(goal, domain, objects)
     elif own is not None:
         atoms = own.goal
-    elif spec.goal_at:
-        atoms = resting_atoms(library, spec.goal_at, objects)
+    elif opened.placements:
+        atoms = resting_atoms(library, opened.placements, objects)
     else:
-        atoms = goal_atoms(library, spec.goal_of or ((task, kitchen.focus),), objects)
+        atoms = goal_atoms(library, opened.goals, objects)
     nearest = nearest_symbols(scene, init, library.classifiers, objects).values()
     # what is only assumed may not fulfil the goal
     assumed = tuple(best for options in nearest if (best := next((a for a in options if a.atom not in atoms), None)) is not None)
     init |= {a.atom for a in assumed}
     problem = Problem(f"{task}-{seed}".lower(), domain.name, tuple(objects.items()), init, atoms)
     notes = unlike(own.init, init) if own is not None else ()
-    return Episode(kitchen, domain, problem, goal is None and own is None, assumed, notes)
+    return Episode(opened, domain, problem, goal is None and own is None, assumed, notes)
 
 
 def stated_goal(text: str, domain: Domain, objects: dict[str, str]) -> State:
@@ -141,18 +145,15 @@ def run_episode(
     on_event: Callable[[Any], None] | None = None,
 ) -> tuple[EpisodeResult, Outcome]:
     """Execute an episode. It is a success if its judge says so, or, where the goal was stated, if the goal atoms hold."""
-    kitchen, problem = episode.kitchen, episode.problem
-    told = touched = 0
-
-    def look(scene: Scene) -> None:
-        nonlocal touched
-        touched += OBSTACLE in scene.objects and kitchen.physics.robot_touches(OBSTACLE)
+    world, problem = episode.world, episode.problem
+    disturbed = world if isinstance(world, Disturbed) else None
+    told = 0
 
     def heard(line: Any) -> None:
         nonlocal told
         if on_event is not None:
             on_event(line)
-        for time, text in kitchen.events[told:]:
+        for time, text in disturbed.events[told:] if disturbed is not None else ():
             told += 1
             note = NoteLine(time=time, text=f"disturbance {text}")
             if trace is not None:
@@ -160,30 +161,28 @@ def run_episode(
             if on_event is not None:
                 on_event(note)
 
-    kitchen.watchers.append(look)
     outcome = execute(
-        kitchen,
+        world,
         library,
         domain or episode.domain,
         problem.goal,
         planner,
         config,
         objects=problem.object_types,
-        extents=kitchen.extents,
+        extents=world.extents,
         rng=np.random.default_rng([seed, 2]),
         trace=trace,
         header=Header(
-            task=kitchen.task,
+            task=world.task,
             seed=seed,
             library=library_checksum,
             planner=planner.name,
         ),
         on_event=heard,
-        on_step=lambda index, _step: kitchen.notify_step(index),
+        on_step=(lambda index, _step: disturbed.notify_step(index)) if disturbed is not None else None,
         monitor=monitor,
     )
-    kitchen.watchers.remove(look)
-    success = kitchen.succeeded() if episode.judged else outcome.success
+    success = world.succeeded() if episode.judged else outcome.success
     category, cause, reason = str(outcome.category), str(outcome.cause or ""), outcome.reason
     if outcome.success and not success:
         category, cause, reason = JUDGE, str(Cause.PERCEPTION), "the goal atoms hold, the judge sees no success"
@@ -196,8 +195,8 @@ def run_episode(
             category=category,
             cause=cause,
             troubles=count(outcome.troubles),
-            disturbances=len(kitchen.events),
-            touched_s=round(touched * kitchen.period_s, 3),
+            disturbances=len(disturbed.events) if disturbed is not None else 0,
+            touched_s=disturbed.touched_s if disturbed is not None else 0.0,
             reason=reason,
             replans=outcome.replans,
             recoveries=len(outcome.recoveries),

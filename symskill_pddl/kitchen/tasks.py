@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from numpy.random import Generator
 
+from symskill_pddl.arena import Kind
 from symskill_pddl.demonstrator.poses import hand_pose
 from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.geometry import Pose
@@ -158,9 +159,7 @@ class TaskSpec:
         `draw(rng) -> Episode`.
     judge : callable
         `judge(physics, focus) -> bool`: success, for the objects that the task is about.
-    kind : str
-        'atomic': there are demonstrations, and its goal is learned from them. 'composed': no demonstration; its goal is those of
-        atomic tasks together. 'play': demonstrated without a goal. 'play goal': no demonstration; its goal is stated.
+    kind : Kind
     scene : SceneLayout
     goal_of : tuple of (str, tuple of str)
         Of a composed task: the atomic tasks whose goals together are its goal, and what each is about.
@@ -171,7 +170,7 @@ class TaskSpec:
     name: str
     draw: Callable[[Generator], Episode]
     judge: Callable[[Physics, tuple[str, ...]], bool]
-    kind: Literal["atomic", "composed", "play", "play goal"] = "atomic"
+    kind: Kind = "atomic"
     scene: SceneLayout = KITCHEN
     goal_of: tuple[tuple[str, tuple[str, ...]], ...] = ()
     goal_at: tuple[tuple[str, str], ...] = ()

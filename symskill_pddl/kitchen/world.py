@@ -42,6 +42,8 @@ class Kitchen:
         Half sizes per type [m].
     watchers : list of callable
         Called with every scene that `step` returns.
+    touched_s : float
+        How long the robot has touched an obstacle that was put in its way [s].
 
     Raises
     ------
@@ -64,6 +66,7 @@ class Kitchen:
         self.extents = spec.scene.extents | {kind: layout.ADDED_EXTENTS[kind] for kind in self._added.values()}
         self.forced_open = False
         self._closed = False
+        self._touched = 0
         self.ms: dict[str, float] = {}
 
     @property
@@ -79,6 +82,20 @@ class Kitchen:
     def focus(self) -> tuple[str, ...]:
         """Names of the objects the task is about."""
         return self.episode.focus
+
+    @property
+    def goals(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
+        """The demonstrated tasks whose goals together are the goal, each with the objects that it is about."""
+        return self.spec.goal_of or ((self.task, self.focus),)
+
+    @property
+    def placements(self) -> tuple[tuple[str, str], ...]:
+        """Of a goal in the play scene: what is to be where."""
+        return self.spec.goal_at
+
+    @property
+    def touched_s(self) -> float:
+        return round(self._touched * self.period_s, 3)
 
     @property
     def time(self) -> float:
@@ -112,6 +129,7 @@ class Kitchen:
         begin = perf_counter()
         scene = self.observe()
         self.ms = {"observe": 1e3 * (perf_counter() - begin), "controller": 1e3 * self.physics.controller_s}
+        self._touched += layout.OBSTACLE in self._added and self.physics.robot_touches(layout.OBSTACLE)
         for watch in self.watchers:
             watch(scene)
         return scene

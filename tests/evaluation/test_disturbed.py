@@ -10,6 +10,7 @@ from importlib.resources import as_file, files
 
 import pytest
 
+from symskill_pddl.arena import Disturbed
 from symskill_pddl.demos import load_demos
 from symskill_pddl.evaluation.results import EpisodeResult
 from symskill_pddl.evaluation.trial import prepare, run_episode
@@ -57,7 +58,8 @@ def run(
     episode = prepare(library, task, 0, goal=goal, disturbances=specs)
     config = ExecutionConfig(motion=MotionConfig(track=track, avoid=avoid))
     result, _ = run_episode(library, episode, 0, Builtin(), monitor=monitor, config=config)
-    assert {text for _, text in episode.kitchen.events} == set(specs)
+    assert isinstance(episode.world, Disturbed)
+    assert {text for _, text in episode.world.events} == set(specs)
     return result
 
 

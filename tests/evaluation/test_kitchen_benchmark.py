@@ -11,8 +11,9 @@ import pytest
 
 from symskill_pddl.evaluation.ablations import without
 from symskill_pddl.evaluation.results import EpisodeResult, Results, summarise
-from symskill_pddl.evaluation.suite import PRESETS
+from symskill_pddl.evaluation.suite import of_kind
 from symskill_pddl.kitchen import TASKS
+from symskill_pddl.kitchen.arena import ARENA
 from symskill_pddl.kitchen.disturbances import KINDS
 
 FOLDER = Path(__file__).parents[2] / "benchmarks"
@@ -34,7 +35,7 @@ def test_everything_the_kitchen_has_is_measured_when_it_is_recorded(modules: tup
     assert len(set(names)) == len(names)
     assert all("the kitchen has no such task" in text for text in missing)
     covered = {task for e in found for task in e.tasks}
-    assert covered >= {task for name in ("atomic", "play") for task in PRESETS[name].tasks}
+    assert covered >= set(of_kind(ARENA, "atomic", "play goal"))
     assert {f"with-{kind}" for kind in KINDS} <= set(names)
     for entry in found:
         small, whole = entry.suite(0.01, 7), entry.suite(1.0, 7)

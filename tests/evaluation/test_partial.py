@@ -67,6 +67,7 @@ def test_a_cut_last_line_is_run_again(tmp_path: Path, cut: int) -> None:
         ({"seed": 7}, "seed 0, now 7"),
         ({"trials": 9}, "trials 4, now 9"),
         ({"library": "xyz"}, "library abc, now xyz"),
+        ({"world": "elsewhere"}, "world kitchen, now elsewhere"),
         ({"monitor": False}, "monitor True, now False"),
         ({"resampling": False}, "resampling True, now False"),
         ({"disturbances": ("drop@op=1",)}, "disturbances none, now drop@op=1"),

@@ -6,10 +6,11 @@ from symskill_pddl.errors import InputError, MissingDependencyError
 from symskill_pddl.evaluation import suite as suites
 from symskill_pddl.evaluation.results import EpisodeResult
 from symskill_pddl.evaluation.spread import Processes
-from symskill_pddl.evaluation.suite import ERROR, PRESETS, Suite, chosen, run_one, run_suite, tasks_named
+from symskill_pddl.evaluation.suite import ERROR, Suite, chosen, presets, run_one, run_suite, tasks_named
 from symskill_pddl.execution.config import ExecutionConfig, MotionConfig
 from symskill_pddl.execution.trace import Header, TraceWriter, read_trace
 from symskill_pddl.kitchen import TASKS
+from symskill_pddl.kitchen.arena import ARENA
 from symskill_pddl.kitchen.disturbances import KINDS
 from symskill_pddl.library import Library
 
@@ -22,30 +23,31 @@ def load_empty(path: Path) -> Library:
 
 
 def test_tasks_are_all_or_named() -> None:
-    assert tasks_named("all") == tuple(name for name, spec in TASKS.items() if not spec.kind.startswith("play"))
-    assert tasks_named("StoreCheese, OpenSingleDoor") == ("StoreCheese", "OpenSingleDoor")
+    assert tasks_named(ARENA, "all") == tuple(name for name, spec in TASKS.items() if not spec.kind.startswith("play"))
+    assert tasks_named(ARENA, "StoreCheese, OpenSingleDoor") == ("StoreCheese", "OpenSingleDoor")
     with pytest.raises(InputError, match="no task named"):
-        tasks_named(" , ")
+        tasks_named(ARENA, " , ")
 
 
 def test_every_preset_is_a_suite() -> None:
-    for preset in PRESETS.values():
+    found = presets(ARENA)
+    for preset in found.values():
         Suite(preset.tasks, 1, 0, disturbances=preset.disturbances)
-    every = {task for name in ("atomic", "composed", "play") for task in PRESETS[name].tasks}
+    every = {task for name in ("atomic", "composed", "play") for task in found[name].tasks}
     assert every == set(TASKS) - {"Play"}
-    assert chosen(None, "disturbed").disturbances
-    assert chosen(None, "mixed").disturbances == ("any@p=0.005",)
-    assert set(KINDS) - {"any"} < set(PRESETS)
-    assert {"OpenDrawer", "CloseDrawer"} <= set(chosen(None, "close-drawer").tasks)
-    assert "OpenSingleDoor" not in chosen(None, "close-drawer").tasks
-    assert "OpenDrawer" not in chosen(None, "drop").tasks
-    assert chosen("StoreCheese", None).tasks == ("StoreCheese",)
+    assert chosen(ARENA, None, "disturbed").disturbances
+    assert chosen(ARENA, None, "mixed").disturbances == ("any@p=0.005",)
+    assert set(KINDS) - {"any"} < set(found)
+    assert {"OpenDrawer", "CloseDrawer"} <= set(chosen(ARENA, None, "close-drawer").tasks)
+    assert "OpenSingleDoor" not in chosen(ARENA, None, "close-drawer").tasks
+    assert "OpenDrawer" not in chosen(ARENA, None, "drop").tasks
+    assert chosen(ARENA, "StoreCheese", None).tasks == ("StoreCheese",)
 
 
 @pytest.mark.parametrize(("tasks", "preset"), [(None, None), ("all", "atomic"), (None, "impossible")])
 def test_one_of_tasks_and_preset(tasks: str | None, preset: str | None) -> None:
     with pytest.raises(InputError, match=r"atomic, close-door, .*, composed, disturbed, drop"):
-        chosen(tasks, preset)
+        chosen(ARENA, tasks, preset)
 
 
 def test_the_settings_say_what_is_switched_off(monkeypatch: pytest.MonkeyPatch) -> None:

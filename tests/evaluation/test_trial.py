@@ -7,6 +7,7 @@ from symskill_pddl.abstraction import Classifier
 from symskill_pddl.evaluation import trial
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import make
+from symskill_pddl.kitchen.arena import KitchenArena
 from symskill_pddl.kitchen.world import Kitchen
 from symskill_pddl.library import Goal, Library
 from symskill_pddl.symbols import Atom, Parameter, Predicate, Type
@@ -39,13 +40,13 @@ LIBRARY = Library(
 
 
 def episode(monkeypatch: pytest.MonkeyPatch, angle_deg: float) -> trial.Episode:
-    def at_angle(task: str, seed: int, disturbances: object = ()) -> Kitchen:
+    def at_angle(_: KitchenArena, task: str, seed: int, disturbances: object = ()) -> Kitchen:
         kitchen = make(task, seed)
         kitchen.physics.set_part("door", np.radians(angle_deg))
         kitchen.physics.forward()
         return kitchen
 
-    monkeypatch.setattr(trial, "make", at_angle)
+    monkeypatch.setattr(KitchenArena, "open", at_angle)
     return trial.prepare(LIBRARY, "CloseSingleDoor", 0)
 
 

@@ -1,0 +1,61 @@
+import pytest
+
+from symskill_pddl.arena import Arena, Disturbed, Filmable, Recordable
+from symskill_pddl.errors import InputError
+from symskill_pddl.worlds import ARENAS, DEFAULT, arena_named, check_task
+
+
+@pytest.mark.parametrize("name", ARENAS)
+def test_every_world_of_the_table_is_an_arena(name: str) -> None:
+    arena = arena_named(name)
+    assert isinstance(arena, Arena)
+    assert arena.name == name
+    assert set(arena.tasks.values()) <= {"atomic", "composed", "play", "play goal"}
+    for preset in arena.presets.values():
+        assert set(preset.tasks) <= set(arena.tasks)
+        for spec in preset.disturbances:
+            arena.check_disturbance(spec)
+    with pytest.raises(InputError, match="earthquake"):
+        arena.check_disturbance("earthquake@t=1")
+
+
+def test_the_default_can_be_recorded_and_filmed() -> None:
+    arena = arena_named(DEFAULT)
+    assert isinstance(arena, Recordable)
+    assert isinstance(arena, Filmable)
+    episode = arena.open("OpenDrawer", 0)
+    assert isinstance(episode, Disturbed)
+    assert episode.goals == (("OpenDrawer", ("drawer", "drawer-unit")),)
+    assert arena.open("StoreCheese", 0).goals == (
+        ("PnPCabToCounter", ("cheese", "cabinet", "counter")),
+        ("CloseSingleDoor", ("door", "cabinet")),
+    )
+
+
+def test_one_of_your_own() -> None:
+    arena = arena_named("toy_arena:ARENA")
+    assert arena.name == "toy"
+    assert arena_named("toy_arena:ARENA") is arena
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("moon", "unknown world 'moon'; there are: kitchen.*; or say MODULE:NAME"),
+        ("", "unknown world ''"),
+        (":ARENA", "unknown world ':ARENA'"),
+        ("no_such_module:ARENA", "world 'no_such_module:ARENA': No module named 'no_such_module'"),
+        ("toy_arena:MOON", "world 'toy_arena:MOON': module 'toy_arena' has no attribute 'MOON'"),
+        ("toy_arena:NO_ARENA", "is no arena, which has: check_disturbance, name, open, presets, tasks"),
+    ],
+)
+def test_a_world_that_is_not_there(name: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        arena_named(name)
+
+
+def test_a_task_that_is_not_there() -> None:
+    arena = arena_named("toy_arena:ARENA")
+    check_task(arena, "OpenUp")
+    with pytest.raises(InputError, match="unknown task 'Fly'; the world 'toy' has: OpenUp, PutIn, StoreIt"):
+        check_task(arena, "Fly")
