@@ -102,7 +102,7 @@ def test_what_learns_plans_and_runs_does_not_even_name_a_world(room: str) -> Non
 
 def test_a_world_is_known_to_its_room_and_to_the_table() -> None:
     forbidden = {str(m) for c in contracts() if "knows no world" in str(c["name"]) for m in c["forbidden_modules"]}  # type: ignore[attr-defined]
-    assert forbidden == set(WORLDS)
+    assert forbidden >= set(WORLDS)
     assert {f"symskill_pddl.{room}" for room in NO_WORLD} <= {
         str(m)
         for c in contracts()

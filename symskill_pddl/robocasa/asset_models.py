@@ -1,6 +1,6 @@
-"""Models of primitive shapes for RoboCasa: what stands in a kitchen and what lies about in it, as MJCF of RoboCasa's conventions.
+"""Models of primitive shapes for RoboCasa: what stands in a kitchen and what lies about in it, as MJCF.
 
-RoboCasa finds the parts of a model by name: the body ``object``, regions ``reg_*`` (boxes that are never seen or touched), joints,
+RoboCasa finds the parts of a model by name: the body ``object``, regions ``reg_*`` (boxes neither seen nor touched), joints,
 sites and geoms of a fixture that it reads the state of. Geoms of group 0 collide, geoms of group 1 are seen. A fixture's front
 looks along -y, its frame is in the middle of its outer box. All lengths in metres.
 """
