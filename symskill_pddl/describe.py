@@ -92,11 +92,12 @@ def support_lines(library: Library, predicate: str) -> tuple[str, ...]:
 
 
 def operator_lines(learned: LearnedOperator) -> tuple[str, ...]:
-    """Where an operator comes from and what it keeps true; the strict precondition where it differs from the refined one."""
+    """Where an operator comes from and what it keeps true; what else held at its start, and the notes."""
     lines = [support_text(learned), *experience_lines(learned), f"skill {learned.skill}"]
     if learned.operator.maintain:
         lines.append(f"maintains {atoms_text(learned.operator.maintain)}")
-    if only_strict := learned.strict_pre - learned.operator.pre:
+    # those of which a note gives the reason are said there
+    if only_strict := [a for a in learned.strict_pre - learned.operator.pre if not any(str(a) in n for n in learned.notes)]:
         lines.append(f"also true in every demonstration at the start: {atoms_text(only_strict)}")
     return (*lines, *learned.notes)
 

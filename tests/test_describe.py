@@ -118,6 +118,13 @@ def test_operator_lines():
     )
 
 
+def test_what_a_note_gives_the_reason_of_is_said_once():
+    told = "dropped precondition (gripper-holds-food ?food): one contact at a time"
+    lines = operator_lines(learned(notes=(told,)))
+    assert told in lines
+    assert not any(line.startswith("also true") for line in lines)
+
+
 def test_skill_lines_name_frames_fingers_and_what_they_do_at_the_end():
     t = np.linspace(0, 1, 21)
     (field,) = fit_fields([Trajectory(t, Pose(np.stack([1 - t, 0 * t, 0 * t], axis=1), np.tile([1.0, 0, 0, 0], (21, 1))))])

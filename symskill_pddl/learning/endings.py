@@ -18,7 +18,8 @@ import numpy as np
 
 from symskill_pddl.geometry import Pose, rotation_distance
 from symskill_pddl.learning.articulation import ArticulationConfig, fit_joint
-from symskill_pddl.learning.segments import Episode, Mask, Rest, SegmentConfig, rest
+from symskill_pddl.learning.motions import Mask, SegmentConfig
+from symskill_pddl.learning.segments import Episode, Rest, rest
 
 
 @dataclass(frozen=True)

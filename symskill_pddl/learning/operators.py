@@ -126,12 +126,14 @@ def _operator(
     positive = set()
     foreign = {name for name in contacts if name != contact}
     loose = {name for name, p in zip(places, relations.places, strict=True) if p.joint is None}
+    dropped: dict[str, list[Atom]] = {}
     for atom in sorted(lifted.pre):
         reason = "it is the effect" if atom == goal else _coincidence(atom, own, moved, lifted.parameters, foreign, loose)
         if reason:
-            notes.append(f"dropped precondition {atom}: {reason}")
+            dropped.setdefault(reason, []).append(atom)
         else:
             positive.add(atom)
+    notes += [f"dropped precondition {' '.join(map(str, atoms))}: {reason}" for reason, atoms in dropped.items()]
     if not all(t.left for t in group):
         left = Atom(contact, (lifted.parameters[group[0].args.index(label.episode.obj)].name,))
         notes.append(f"no retreat: the recordings end before the hand has left, so that {left} ends is not seen and no effect")

@@ -10,11 +10,12 @@ from symskill_pddl.demos import Demo, extent_conflicts, merged_extents
 from symskill_pddl.errors import LearningError
 from symskill_pddl.learning.endings import EndingConfig, complete
 from symskill_pddl.learning.goals import learn_goals
+from symskill_pddl.learning.motions import SegmentConfig
 from symskill_pddl.learning.naming import contact_names, place_names
 from symskill_pddl.learning.operators import OperatorConfig, OperatorGroup, learn_operators
 from symskill_pddl.learning.predicates import learn_relations
 from symskill_pddl.learning.relations import PredicateConfig, Relations
-from symskill_pddl.learning.segments import Episode, SegmentConfig, segment_all
+from symskill_pddl.learning.segments import Episode, segment_all
 from symskill_pddl.learning.transitions import Truth, exclusive, gripper_rule, never_shared, transitions, truth_of
 from symskill_pddl.library import Goal
 from symskill_pddl.scene import GRIPPER

@@ -3,8 +3,8 @@ from pathlib import Path
 import pytest
 
 from symskill_pddl.learning import LearnConfig
+from symskill_pddl.learning.motions import SegmentConfig
 from symskill_pddl.learning.parameters import parameters, table
-from symskill_pddl.learning.segments import SegmentConfig
 
 PAGE = Path(__file__).parents[2] / "docs" / "learning.md"
 

@@ -134,13 +134,8 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 3.8 s on average, 4.6 s at most
   ; skill reach-door-ajar-to-close
   ; maintains (door-ajar ?door ?cabinet) (gripper-open)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
   ; dropped effect: adds (gripper-holds-door-from-closed ?door): one contact at a time
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action reach-door-ajar-to-close
     :parameters (?door - door ?cabinet - cabinet)
     :precondition (and
@@ -154,12 +149,7 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 5.3 s on average, 6.8 s at most
   ; skill reach-door-ajar-to-open
   ; maintains (door-ajar ?door ?cabinet) (gripper-open)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action reach-door-ajar-to-open
     :parameters (?door - door ?cabinet - cabinet)
     :precondition (and
@@ -173,12 +163,7 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 8.7 s at most
   ; skill reach-door-closed
   ; maintains (door-closed ?door ?cabinet)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action reach-door-closed
     :parameters (?door - door ?cabinet - cabinet)
     :precondition (and
@@ -193,12 +178,7 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 9.0 s on average, 11.1 s at most
   ; skill reach-door-open
   ; maintains (door-open ?door ?cabinet)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action reach-door-open
     :parameters (?door - door ?cabinet - cabinet)
     :precondition (and
@@ -213,13 +193,8 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 4.4 s on average, 5.6 s at most
   ; skill close-door
   ; maintains (gripper-at-door-to-close ?door) (gripper-open)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-door-from-closed ?door) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   ; dropped precondition (gripper-holds-door-from-closed ?door): one contact at a time
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action close-door
     :parameters (?door - door ?cabinet - cabinet)
     :precondition (and
@@ -233,12 +208,7 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 3.5 s on average, 4.4 s at most
   ; skill open-door
   ; maintains (gripper-at-door-to-open ?door) (gripper-open)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action open-door
     :parameters (?door - door ?cabinet - cabinet)
     :precondition (and
@@ -252,12 +222,7 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 4.7 s on average, 6.0 s at most
   ; skill move-door-ajar-from-closed
   ; maintains (gripper-holds-door-from-closed ?door)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action move-door-ajar-from-closed
     :parameters (?door - door ?cabinet - cabinet)
     :precondition (and
@@ -271,12 +236,7 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 3.9 s on average, 4.9 s at most
   ; skill move-door-ajar-from-open
   ; maintains (gripper-holds-door-from-open ?door)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action move-door-ajar-from-open
     :parameters (?door - door ?cabinet - cabinet)
     :precondition (and
@@ -290,13 +250,8 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 7.2 s on average, 9.8 s at most
   ; skill reach-drawer-open
   ; maintains (drawer-open ?drawer ?drawer-unit)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
   ; dropped effect: adds (gripper-holds-drawer-to-open ?drawer): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action reach-drawer-open
     :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
     :precondition (and
@@ -311,13 +266,8 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 6.8 s on average, 9.7 s at most
   ; skill reach-drawer-closed
   ; maintains (drawer-closed ?drawer ?drawer-unit)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
   ; dropped effect: adds (gripper-holds-drawer-to-close ?drawer): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action reach-drawer-closed
     :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
     :precondition (and
@@ -332,14 +282,9 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 2.9 s on average, 3.4 s at most
   ; skill close-drawer
   ; maintains (gripper-holds-drawer-to-close ?drawer)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-drawer-to-open ?drawer) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
   ; dropped effect: deletes (gripper-holds-drawer-to-open ?drawer): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   ; dropped precondition (gripper-holds-drawer-to-open ?drawer): one contact at a time
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action close-drawer
     :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
     :precondition (and
@@ -353,14 +298,9 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 3.2 s on average, 3.9 s at most
   ; skill open-drawer
   ; maintains (gripper-holds-drawer-to-open ?drawer)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-drawer-to-close ?drawer) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
   ; dropped effect: deletes (gripper-holds-drawer-to-close ?drawer): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   ; dropped precondition (gripper-holds-drawer-to-close ?drawer): one contact at a time
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action open-drawer
     :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
     :precondition (and
@@ -374,12 +314,7 @@
   ; pick, learned from 10 episodes in 10 demonstrations; took 6.8 s on average, 9.8 s at most
   ; skill pick-food-from-cabinet
   ; maintains (door-open ?door ?cabinet) (food-in-cabinet ?food ?cabinet)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action pick-food-from-cabinet
     :parameters (?food - food ?cabinet - cabinet ?door - door)
     :precondition (and
@@ -395,13 +330,7 @@
   ; pick, learned from 10 episodes in 10 demonstrations; took 5.8 s on average, 7.5 s at most
   ; skill pick-food-from-cookware
   ; maintains (food-in-cookware ?food ?cookware)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action pick-food-from-cookware
     :parameters (?food - food ?cookware - cookware)
     :precondition (and
@@ -416,13 +345,7 @@
   ; pick, learned from 10 episodes in 10 demonstrations; took 5.7 s on average, 6.9 s at most
   ; skill pick-food-from-container
   ; maintains (food-on-container ?food ?container)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action pick-food-from-container
     :parameters (?food - food ?container - container)
     :precondition (and
@@ -437,13 +360,8 @@
   ; pick, learned from 10 episodes in 10 demonstrations; took 5.7 s on average, 7.2 s at most
   ; skill pick-food-from-counter
   ; maintains (food-on-counter ?food ?counter)
-  ; also true in every demonstration at the start: (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (door-open ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): that another food lies there enables nothing
-  ; dropped precondition (food-on-counter ?food-3 ?counter): that another food lies there enables nothing
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter): that another food lies there enables nothing
   (:action pick-food-from-counter
     :parameters (?food - food ?counter - counter)
     :precondition (and
@@ -458,12 +376,7 @@
   ; place, learned from 10 episodes in 10 demonstrations; took 7.5 s on average, 9.2 s at most
   ; skill place-food-in-cabinet
   ; maintains (door-open ?door ?cabinet) (gripper-holds-food ?food)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action place-food-in-cabinet
     :parameters (?food - food ?cabinet - cabinet ?door - door)
     :precondition (and
@@ -478,13 +391,7 @@
   ; place, learned from 10 episodes in 10 demonstrations; took 6.0 s on average, 7.7 s at most
   ; skill place-food-in-cookware
   ; maintains (gripper-holds-food ?food)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action place-food-in-cookware
     :parameters (?food - food ?cookware - cookware)
     :precondition (and
@@ -498,13 +405,7 @@
   ; place, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 8.0 s at most
   ; skill place-food-on-container
   ; maintains (gripper-holds-food ?food)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action place-food-on-container
     :parameters (?food - food ?container - container)
     :precondition (and
@@ -518,13 +419,8 @@
   ; place, learned from 10 episodes in 10 demonstrations; took 7.6 s on average, 9.9 s at most
   ; skill place-food-on-counter
   ; maintains (gripper-holds-food ?food)
-  ; also true in every demonstration at the start: (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (door-open ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): that another food lies there enables nothing
-  ; dropped precondition (food-on-counter ?food-3 ?counter): that another food lies there enables nothing
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter): that another food lies there enables nothing
   (:action place-food-on-counter
     :parameters (?food - food ?counter - counter)
     :precondition (and
@@ -538,13 +434,8 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 5.4 s on average, 7.7 s at most
   ; skill reach-knob-unturned
   ; maintains (knob-unturned ?knob ?stove)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink)
   ; dropped effect: adds (gripper-holds-knob-to-turn-back ?knob): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action reach-knob-unturned
     :parameters (?knob - knob ?stove - stove)
     :precondition (and
@@ -559,13 +450,8 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 5.8 s on average, 8.1 s at most
   ; skill reach-knob-turned
   ; maintains (knob-turned ?knob ?stove)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink)
   ; dropped effect: adds (gripper-holds-knob-to-turn ?knob): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action reach-knob-turned
     :parameters (?knob - knob ?stove - stove)
     :precondition (and
@@ -580,14 +466,9 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 3.7 s on average, 4.3 s at most
   ; skill turn-knob
   ; maintains (gripper-holds-knob-to-turn ?knob)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-knob-to-turn-back ?knob) (lever-unturned ?lever ?sink)
   ; dropped effect: deletes (gripper-holds-knob-to-turn-back ?knob): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink): about nothing that the operator is about
   ; dropped precondition (gripper-holds-knob-to-turn-back ?knob): one contact at a time
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action turn-knob
     :parameters (?knob - knob ?stove - stove)
     :precondition (and
@@ -601,14 +482,9 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 3.3 s on average, 4.0 s at most
   ; skill turn-knob-back
   ; maintains (gripper-holds-knob-to-turn-back ?knob)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-knob-to-turn ?knob) (lever-unturned ?lever ?sink)
   ; dropped effect: deletes (gripper-holds-knob-to-turn ?knob): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink): about nothing that the operator is about
   ; dropped precondition (gripper-holds-knob-to-turn ?knob): one contact at a time
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action turn-knob-back
     :parameters (?knob - knob ?stove - stove)
     :precondition (and
@@ -622,12 +498,7 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 6.4 s on average, 9.4 s at most
   ; skill reach-lever-unturned
   ; maintains (gripper-open) (lever-unturned ?lever ?sink)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove): about nothing that the operator is about
   (:action reach-lever-unturned
     :parameters (?lever - lever ?sink - sink)
     :precondition (and
@@ -641,12 +512,7 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 6.5 s on average, 9.2 s at most
   ; skill reach-lever-turned
   ; maintains (gripper-open) (lever-turned ?lever ?sink)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove): about nothing that the operator is about
   (:action reach-lever-turned
     :parameters (?lever - lever ?sink - sink)
     :precondition (and
@@ -660,12 +526,7 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 1.9 s on average, 2.3 s at most
   ; skill turn-lever
   ; maintains (gripper-at-lever-to-turn ?lever) (gripper-open)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove): about nothing that the operator is about
   (:action turn-lever
     :parameters (?lever - lever ?sink - sink)
     :precondition (and
@@ -679,12 +540,7 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 2.6 s on average, 3.8 s at most
   ; skill turn-lever-back
   ; maintains (gripper-at-lever-to-turn-back ?lever) (gripper-open)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove): about nothing that the operator is about
   (:action turn-lever-back
     :parameters (?lever - lever ?sink - sink)
     :precondition (and

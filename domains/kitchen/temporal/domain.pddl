@@ -134,13 +134,8 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 3.8 s on average, 4.6 s at most
   ; skill reach-door-ajar-to-close
   ; maintains (door-ajar ?door ?cabinet) (gripper-open)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
   ; dropped effect: adds (gripper-holds-door-from-closed ?door): one contact at a time
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action reach-door-ajar-to-close
     :parameters (?door - door ?cabinet - cabinet)
     :duration (= ?duration 3.8)
@@ -158,12 +153,7 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 5.3 s on average, 6.8 s at most
   ; skill reach-door-ajar-to-open
   ; maintains (door-ajar ?door ?cabinet) (gripper-open)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action reach-door-ajar-to-open
     :parameters (?door - door ?cabinet - cabinet)
     :duration (= ?duration 5.3)
@@ -181,12 +171,7 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 8.7 s at most
   ; skill reach-door-closed
   ; maintains (door-closed ?door ?cabinet)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action reach-door-closed
     :parameters (?door - door ?cabinet - cabinet)
     :duration (= ?duration 6.2)
@@ -204,12 +189,7 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 9.0 s on average, 11.1 s at most
   ; skill reach-door-open
   ; maintains (door-open ?door ?cabinet)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action reach-door-open
     :parameters (?door - door ?cabinet - cabinet)
     :duration (= ?duration 9)
@@ -227,13 +207,8 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 4.4 s on average, 5.6 s at most
   ; skill close-door
   ; maintains (gripper-at-door-to-close ?door) (gripper-open)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-door-from-closed ?door) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   ; dropped precondition (gripper-holds-door-from-closed ?door): one contact at a time
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action close-door
     :parameters (?door - door ?cabinet - cabinet)
     :duration (= ?duration 4.4)
@@ -251,12 +226,7 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 3.5 s on average, 4.4 s at most
   ; skill open-door
   ; maintains (gripper-at-door-to-open ?door) (gripper-open)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action open-door
     :parameters (?door - door ?cabinet - cabinet)
     :duration (= ?duration 3.5)
@@ -274,12 +244,7 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 4.7 s on average, 6.0 s at most
   ; skill move-door-ajar-from-closed
   ; maintains (gripper-holds-door-from-closed ?door)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action move-door-ajar-from-closed
     :parameters (?door - door ?cabinet - cabinet)
     :duration (= ?duration 4.7)
@@ -296,12 +261,7 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 3.9 s on average, 4.9 s at most
   ; skill move-door-ajar-from-open
   ; maintains (gripper-holds-door-from-open ?door)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action move-door-ajar-from-open
     :parameters (?door - door ?cabinet - cabinet)
     :duration (= ?duration 3.9)
@@ -318,13 +278,8 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 7.2 s on average, 9.8 s at most
   ; skill reach-drawer-open
   ; maintains (drawer-open ?drawer ?drawer-unit)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
   ; dropped effect: adds (gripper-holds-drawer-to-open ?drawer): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action reach-drawer-open
     :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
     :duration (= ?duration 7.2)
@@ -342,13 +297,8 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 6.8 s on average, 9.7 s at most
   ; skill reach-drawer-closed
   ; maintains (drawer-closed ?drawer ?drawer-unit)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
   ; dropped effect: adds (gripper-holds-drawer-to-close ?drawer): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action reach-drawer-closed
     :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
     :duration (= ?duration 6.8)
@@ -366,14 +316,9 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 2.9 s on average, 3.4 s at most
   ; skill close-drawer
   ; maintains (gripper-holds-drawer-to-close ?drawer)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-drawer-to-open ?drawer) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
   ; dropped effect: deletes (gripper-holds-drawer-to-open ?drawer): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   ; dropped precondition (gripper-holds-drawer-to-open ?drawer): one contact at a time
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action close-drawer
     :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
     :duration (= ?duration 2.9)
@@ -390,14 +335,9 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 3.2 s on average, 3.9 s at most
   ; skill open-drawer
   ; maintains (gripper-holds-drawer-to-open ?drawer)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-drawer-to-close ?drawer) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
   ; dropped effect: deletes (gripper-holds-drawer-to-close ?drawer): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   ; dropped precondition (gripper-holds-drawer-to-close ?drawer): one contact at a time
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action open-drawer
     :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
     :duration (= ?duration 3.2)
@@ -414,12 +354,7 @@
   ; pick, learned from 10 episodes in 10 demonstrations; took 6.8 s on average, 9.8 s at most
   ; skill pick-food-from-cabinet
   ; maintains (door-open ?door ?cabinet) (food-in-cabinet ?food ?cabinet)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action pick-food-from-cabinet
     :parameters (?food - food ?cabinet - cabinet ?door - door)
     :duration (= ?duration 6.8)
@@ -439,13 +374,7 @@
   ; pick, learned from 10 episodes in 10 demonstrations; took 5.8 s on average, 7.5 s at most
   ; skill pick-food-from-cookware
   ; maintains (food-in-cookware ?food ?cookware)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action pick-food-from-cookware
     :parameters (?food - food ?cookware - cookware)
     :duration (= ?duration 5.8)
@@ -463,13 +392,7 @@
   ; pick, learned from 10 episodes in 10 demonstrations; took 5.7 s on average, 6.9 s at most
   ; skill pick-food-from-container
   ; maintains (food-on-container ?food ?container)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action pick-food-from-container
     :parameters (?food - food ?container - container)
     :duration (= ?duration 5.7)
@@ -487,13 +410,8 @@
   ; pick, learned from 10 episodes in 10 demonstrations; took 5.7 s on average, 7.2 s at most
   ; skill pick-food-from-counter
   ; maintains (food-on-counter ?food ?counter)
-  ; also true in every demonstration at the start: (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (door-open ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): that another food lies there enables nothing
-  ; dropped precondition (food-on-counter ?food-3 ?counter): that another food lies there enables nothing
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter): that another food lies there enables nothing
   (:durative-action pick-food-from-counter
     :parameters (?food - food ?counter - counter)
     :duration (= ?duration 5.7)
@@ -511,12 +429,7 @@
   ; place, learned from 10 episodes in 10 demonstrations; took 7.5 s on average, 9.2 s at most
   ; skill place-food-in-cabinet
   ; maintains (door-open ?door ?cabinet) (gripper-holds-food ?food)
-  ; also true in every demonstration at the start: (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action place-food-in-cabinet
     :parameters (?food - food ?cabinet - cabinet ?door - door)
     :duration (= ?duration 7.5)
@@ -535,13 +448,7 @@
   ; place, learned from 10 episodes in 10 demonstrations; took 6.0 s on average, 7.7 s at most
   ; skill place-food-in-cookware
   ; maintains (gripper-holds-food ?food)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action place-food-in-cookware
     :parameters (?food - food ?cookware - cookware)
     :duration (= ?duration 6)
@@ -558,13 +465,7 @@
   ; place, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 8.0 s at most
   ; skill place-food-on-container
   ; maintains (gripper-holds-food ?food)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-3 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action place-food-on-container
     :parameters (?food - food ?container - container)
     :duration (= ?duration 6.2)
@@ -581,13 +482,8 @@
   ; place, learned from 10 episodes in 10 demonstrations; took 7.6 s on average, 9.9 s at most
   ; skill place-food-on-counter
   ; maintains (gripper-holds-food ?food)
-  ; also true in every demonstration at the start: (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink)
-  ; dropped precondition (door-open ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): that another food lies there enables nothing
-  ; dropped precondition (food-on-counter ?food-3 ?counter): that another food lies there enables nothing
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter): that another food lies there enables nothing
   (:durative-action place-food-on-counter
     :parameters (?food - food ?counter - counter)
     :duration (= ?duration 7.6)
@@ -604,13 +500,8 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 5.4 s on average, 7.7 s at most
   ; skill reach-knob-unturned
   ; maintains (knob-unturned ?knob ?stove)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink)
   ; dropped effect: adds (gripper-holds-knob-to-turn-back ?knob): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action reach-knob-unturned
     :parameters (?knob - knob ?stove - stove)
     :duration (= ?duration 5.4)
@@ -628,13 +519,8 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 5.8 s on average, 8.1 s at most
   ; skill reach-knob-turned
   ; maintains (knob-turned ?knob ?stove)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink)
   ; dropped effect: adds (gripper-holds-knob-to-turn ?knob): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action reach-knob-turned
     :parameters (?knob - knob ?stove - stove)
     :duration (= ?duration 5.8)
@@ -652,14 +538,9 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 3.7 s on average, 4.3 s at most
   ; skill turn-knob
   ; maintains (gripper-holds-knob-to-turn ?knob)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-knob-to-turn-back ?knob) (lever-unturned ?lever ?sink)
   ; dropped effect: deletes (gripper-holds-knob-to-turn-back ?knob): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink): about nothing that the operator is about
   ; dropped precondition (gripper-holds-knob-to-turn-back ?knob): one contact at a time
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action turn-knob
     :parameters (?knob - knob ?stove - stove)
     :duration (= ?duration 3.7)
@@ -676,14 +557,9 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 3.3 s on average, 4.0 s at most
   ; skill turn-knob-back
   ; maintains (gripper-holds-knob-to-turn-back ?knob)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (gripper-holds-knob-to-turn ?knob) (lever-unturned ?lever ?sink)
   ; dropped effect: deletes (gripper-holds-knob-to-turn ?knob): one contact at a time
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (lever-unturned ?lever ?sink): about nothing that the operator is about
   ; dropped precondition (gripper-holds-knob-to-turn ?knob): one contact at a time
-  ; dropped precondition (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action turn-knob-back
     :parameters (?knob - knob ?stove - stove)
     :duration (= ?duration 3.3)
@@ -700,12 +576,7 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 6.4 s on average, 9.4 s at most
   ; skill reach-lever-unturned
   ; maintains (gripper-open) (lever-unturned ?lever ?sink)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove): about nothing that the operator is about
   (:durative-action reach-lever-unturned
     :parameters (?lever - lever ?sink - sink)
     :duration (= ?duration 6.4)
@@ -723,12 +594,7 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 6.5 s on average, 9.2 s at most
   ; skill reach-lever-turned
   ; maintains (gripper-open) (lever-turned ?lever ?sink)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove): about nothing that the operator is about
   (:durative-action reach-lever-turned
     :parameters (?lever - lever ?sink - sink)
     :duration (= ?duration 6.5)
@@ -746,12 +612,7 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 1.9 s on average, 2.3 s at most
   ; skill turn-lever
   ; maintains (gripper-at-lever-to-turn ?lever) (gripper-open)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove): about nothing that the operator is about
   (:durative-action turn-lever
     :parameters (?lever - lever ?sink - sink)
     :duration (= ?duration 1.9)
@@ -769,12 +630,7 @@
   ; move, learned from 10 episodes in 10 demonstrations; took 2.6 s on average, 3.8 s at most
   ; skill turn-lever-back
   ; maintains (gripper-at-lever-to-turn-back ?lever) (gripper-open)
-  ; also true in every demonstration at the start: (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove)
-  ; dropped precondition (door-closed ?door ?cabinet): about nothing that the operator is about
-  ; dropped precondition (drawer-closed ?drawer ?drawer-unit): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food ?counter): about nothing that the operator is about
-  ; dropped precondition (food-on-counter ?food-2 ?counter): about nothing that the operator is about
-  ; dropped precondition (knob-unturned ?knob ?stove): about nothing that the operator is about
+  ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove): about nothing that the operator is about
   (:durative-action turn-lever-back
     :parameters (?lever - lever ?sink - sink)
     :duration (= ?duration 2.6)

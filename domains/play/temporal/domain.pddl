@@ -123,7 +123,6 @@
 
   ; pick, learned from 4 episodes in 1 demonstration; took 6.7 s on average, 7.8 s at most
   ; skill pick-thing-from-cookware
-  ; also true in every demonstration at the start: (lid-on-cabinet ?lid ?cabinet)
   ; dropped precondition (lid-on-cabinet ?lid ?cabinet): about nothing that the operator is about
   ; added precondition: no lid with (lid-on-cookware ?any-lid ?cookware), as in all its demonstrations
   ; Play:demo_0: the fingers do something else than in most demonstrations; left out of the skill
@@ -179,7 +178,6 @@
   ; place, learned from 4 episodes in 1 demonstration; took 4.8 s on average, 4.9 s at most
   ; skill place-thing-in-cookware
   ; maintains (gripper-holds-thing ?thing)
-  ; also true in every demonstration at the start: (lid-on-cabinet ?lid ?cabinet)
   ; dropped precondition (lid-on-cabinet ?lid ?cabinet): about nothing that the operator is about
   ; added precondition: no lid with (lid-on-cookware ?any-lid ?cookware), as in all its demonstrations
   (:durative-action place-thing-in-cookware
