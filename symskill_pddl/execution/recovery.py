@@ -34,6 +34,10 @@ _NEARER = 0.5
 """By how much a turn has to better the margin: a tie is no reason to see a thing differently."""
 
 
+_WELL_WITHIN = 0.2
+"""Least margin of a place to sample around: on the very edge of the predicate the smallest error would undo it."""
+
+
 def key_of(step: GroundOperator) -> StepKey:
     """The key under which failures of a ground step are remembered."""
     return step.name, step.args
@@ -104,8 +108,20 @@ def goal_shift(
         if grasp:
             return goal.frame, sample @ classifier.T_mean.inverse()
         T_obj_ee = scene.pose(atom.args[0]).inverse() @ scene.T_world_ee
-        return goal.frame, sample @ T_obj_ee @ goal.field.T_goal.inverse()
+        shown = goal.field.T_goal @ T_obj_ee.inverse()
+        return goal.frame, _near_shown(classifier, shown, sample) @ T_obj_ee @ goal.field.T_goal.inverse()
     return None
+
+
+def _near_shown(classifier: Classifier, shown: Pose, sample: Pose) -> Pose:
+    """The sample's deviation from the predicate's mean, taken from where the skill would put the object.
+
+    A predicate may be much wider than the places that the skill was shown (a whole counter), and its mean none of them. Where the
+    skill's own place is not well within the predicate, the sample itself is the better one.
+    """
+    dp, dq = sample.p - classifier.T_mean.p, quat_multiply(quat_conjugate(classifier.T_mean.q), sample.q)
+    near = Pose(shown.p + dp, quat_multiply(shown.q, dq))
+    return near if float(classifier.margin(near)) >= _WELL_WITHIN <= float(classifier.margin(shown)) else sample
 
 
 def goal_phase(skill: Skill, binding: Mapping[str, str], parent: str, grasp: bool) -> int | None:

@@ -65,6 +65,18 @@ class TestShift:
         assert np.allclose(T_cabinet_food.p, BY_NAME["food-in-cabinet"].T_mean.p, atol=1e-6)
         assert rotation_distance(T_cabinet_food, BY_NAME["food-in-cabinet"].T_mean) < 1e-6
 
+    def test_a_place_is_sampled_around_where_the_skill_was_shown_it(self):
+        """The predicate may be as wide as a counter: its mean is no place that the skill knows."""
+        world = FakeWorld(ee=Pose([0.1, 0.2, 0.5], DOWN))
+        ground = step("place-on-counter", "cheese", "counter")
+        learned = LIBRARY.skills["place-counter"].phases[0].field.T_goal
+        classifier = BY_NAME["food-on-counter"]
+        aside = classifier.T_mean.p + 0.6 * classifier.enter_p * np.sqrt(np.diag(classifier.cov_p)) * [1.0, 0.0, 0.0]
+        world.cheese = world.ee @ (Pose(aside, classifier.T_mean.q).inverse() @ learned).inverse()
+        _, shift = shift_of(ground, world.observe(), 1e-9)
+        assert np.allclose(shift.p, 0.0, atol=1e-6)
+        assert rotation_distance(shift, Pose.identity()) < 1e-6
+
     @pytest.mark.parametrize("seed", range(5))
     def test_the_sampled_pose_satisfies_the_effect(self, seed):
         world = FakeWorld(ee=Pose([0.1, 0.2, 0.5], DOWN))
