@@ -9,23 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from symskill_pddl.cli import work
+from symskill_pddl.cli import options, work
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
-from symskill_pddl.cli.options import (
-    DisturbOption,
-    EditedOption,
-    JsonFlag,
-    LibraryArgument,
-    NoMonitorFlag,
-    NoObstaclesFlag,
-    NoReplanningFlag,
-    NoResamplingFlag,
-    NoTrackingFlag,
-    PlannerOption,
-    WorldOption,
-    make_folder,
-    require_folder,
-)
 from symskill_pddl.errors import InputError
 from symskill_pddl.worlds import DEFAULT
 
@@ -37,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def evaluate(
-    library: LibraryArgument,
+    library: options.LibraryArgument,
     output: Annotated[Path, typer.Option("-o", "--output", help="The results file to write.")],
     tasks: Annotated[str | None, typer.Option("--tasks", help="all, or names separated by commas.")] = None,
     suite: Annotated[
@@ -46,14 +31,14 @@ def evaluate(
     ] = None,
     trials: Annotated[int, typer.Option("--trials", help="Episodes per task.")] = 20,
     seed: Annotated[int, typer.Option("--seed", help="Seed of the first episode.")] = 1000,
-    world: WorldOption = DEFAULT,
-    planner: PlannerOption = None,
-    domain: EditedOption = None,
-    no_monitor: NoMonitorFlag = False,
-    no_resampling: NoResamplingFlag = False,
-    no_replanning: NoReplanningFlag = False,
-    no_tracking: NoTrackingFlag = False,
-    no_obstacles: NoObstaclesFlag = False,
+    world: options.WorldOption = DEFAULT,
+    planner: options.PlannerOption = None,
+    domain: options.EditedOption = None,
+    no_monitor: options.NoMonitorFlag = False,
+    no_resampling: options.NoResamplingFlag = False,
+    no_replanning: options.NoReplanningFlag = False,
+    no_tracking: options.NoTrackingFlag = False,
+    no_obstacles: options.NoObstaclesFlag = False,
     against: Annotated[
         list[str] | None,
         typer.Option("--against", metavar="MECHANISM", help="Also without it, same episodes, compared; may be repeated."),
@@ -61,12 +46,12 @@ def evaluate(
     keep_failed: Annotated[
         Path | None, typer.Option("--keep-failed", metavar="DIR", help="Keep the traces of the episodes that fail.")
     ] = None,
-    disturb: DisturbOption = None,
+    disturb: options.DisturbOption = None,
     jobs: Annotated[int | None, typer.Option("--jobs", help="Processes, 1 if not given; with --ray, workers at most.")] = None,
     ray: Annotated[
         str | None, typer.Option("--ray", metavar="ADDRESS", help="Run on the Ray cluster there; local starts one here.")
     ] = None,
-    json: JsonFlag = False,
+    json: options.JsonFlag = False,
 ) -> None:
     """Run many seeded episodes and count; the results do not depend on --jobs and --ray.
 
@@ -89,7 +74,7 @@ def evaluate(
         raise InputError(f"--against names a mechanism twice: {', '.join(mechanisms)}")
     others = {mechanism: without(asked, mechanism) for mechanism in mechanisms}
     pool: Pool = Processes(1 if jobs is None else jobs) if ray is None else Ray(ray, jobs or 0)
-    require_folder(output)
+    options.require_folder(output)
     work.open_edited(library, domain)
     results = _run(library, domain, asked, output, pool, "", keep_failed, keep=bool(others))
     compared: dict[str, tuple[Difference, ...]] = {}
@@ -115,7 +100,7 @@ def _run(
     from symskill_pddl.evaluation.resumable import evaluate as run
 
     if failed is not None:
-        make_folder(failed)
+        options.make_folder(failed)
     count = len(suite.episodes)
     with progress(f"{count} episodes{what}", total=count) as advance:
 

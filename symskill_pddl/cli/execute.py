@@ -9,27 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from symskill_pddl.cli import work
+from symskill_pddl.cli import options, work
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.cli.film import check_video, filmed
-from symskill_pddl.cli.options import (
-    DisturbOption,
-    EditedOption,
-    GoalOption,
-    JsonFlag,
-    LibraryArgument,
-    NoMonitorFlag,
-    NoObstaclesFlag,
-    NoReplanningFlag,
-    NoResamplingFlag,
-    NoTrackingFlag,
-    PlannerOption,
-    SeedOption,
-    TaskOption,
-    VideoOption,
-    WorldOption,
-    require_folder,
-)
 from symskill_pddl.errors import InputError
 from symskill_pddl.worlds import DEFAULT
 
@@ -44,32 +26,32 @@ if TYPE_CHECKING:
 
 
 def run(
-    library: LibraryArgument,
-    task: TaskOption,
-    seed: SeedOption = 0,
-    world: WorldOption = DEFAULT,
-    planner: PlannerOption = None,
-    goal: GoalOption = None,
-    domain: EditedOption = None,
+    library: options.LibraryArgument,
+    task: options.TaskOption,
+    seed: options.SeedOption = 0,
+    world: options.WorldOption = DEFAULT,
+    planner: options.PlannerOption = None,
+    goal: options.GoalOption = None,
+    domain: options.EditedOption = None,
     problem: Annotated[
         Path | None, typer.Option("--problem", metavar="PROBLEM", help="Objects and goal from this file, a problem of --domain.")
     ] = None,
-    no_monitor: NoMonitorFlag = False,
-    no_resampling: NoResamplingFlag = False,
-    no_replanning: NoReplanningFlag = False,
-    no_tracking: NoTrackingFlag = False,
-    no_obstacles: NoObstaclesFlag = False,
-    disturb: DisturbOption = None,
+    no_monitor: options.NoMonitorFlag = False,
+    no_resampling: options.NoResamplingFlag = False,
+    no_replanning: options.NoReplanningFlag = False,
+    no_tracking: options.NoTrackingFlag = False,
+    no_obstacles: options.NoObstaclesFlag = False,
+    disturb: options.DisturbOption = None,
     trace: Annotated[Path | None, typer.Option("--trace", help="Write every decision to this file (JSON lines).")] = None,
-    video: VideoOption = None,
-    json: JsonFlag = False,
+    video: options.VideoOption = None,
+    json: options.JsonFlag = False,
 ) -> None:
     """Plan and carry out a task. Exit status 1 if the goal is missed."""
     from symskill_pddl.evaluation.trial import prepare
     from symskill_pddl.planning import get
 
     if trace is not None:
-        require_folder(trace)
+        options.require_folder(trace)
     check_video(video, world)
     if problem is not None and (domain is None or goal is not None):
         raise InputError("--problem needs --domain, whose problem it is, and states the goal, so --goal cannot stand with it")

@@ -7,21 +7,8 @@ from typing import Annotated
 
 import typer
 
-from symskill_pddl.cli import work
+from symskill_pddl.cli import options, work
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
-from symskill_pddl.cli.options import (
-    DialectOption,
-    GoalOption,
-    JsonFlag,
-    LibraryArgument,
-    NamesOption,
-    PlannerOption,
-    SeedOption,
-    TaskOption,
-    WorldOption,
-    make_folder,
-    write_text,
-)
 from symskill_pddl.errors import NoPlanError
 from symskill_pddl.worlds import DEFAULT
 
@@ -31,11 +18,11 @@ NameOption = Annotated[str, typer.Option("--name", help="The domain's name.")]
 
 
 def export(
-    library: LibraryArgument,
+    library: options.LibraryArgument,
     output: Annotated[Path, typer.Option("-o", "--output", help="Folder for domain.pddl and names.json.")],
-    dialect: DialectOption = "strips",
+    dialect: options.DialectOption = "strips",
     name: NameOption = "learned",
-    names: NamesOption = None,
+    names: options.NamesOption = None,
     strict: Annotated[bool, typer.Option("--strict", help="All that held in every demonstration is a precondition.")] = False,
 ) -> None:
     """Write a library's domain as PDDL."""
@@ -46,15 +33,15 @@ def export(
 
 
 def problem(
-    library: LibraryArgument,
-    task: TaskOption,
+    library: options.LibraryArgument,
+    task: options.TaskOption,
     output: Annotated[Path, typer.Option("-o", "--output", help="The problem file to write.")],
-    seed: SeedOption = 0,
-    world: WorldOption = DEFAULT,
-    goal: GoalOption = None,
-    dialect: DialectOption = "strips",
+    seed: options.SeedOption = 0,
+    world: options.WorldOption = DEFAULT,
+    goal: options.GoalOption = None,
+    dialect: options.DialectOption = "strips",
     name: NameOption = "learned",
-    names: NamesOption = None,
+    names: options.NamesOption = None,
 ) -> None:
     """Write an episode of a task as a PDDL problem: objects and atoms of its first scene, and its goal."""
     from symskill_pddl.evaluation.trial import prepare
@@ -71,12 +58,12 @@ def problem(
     renamed = work.renames(names)
     for form, folder in work.forms(episode.domain, dialect, output.parent):
         if folder != output.parent:
-            make_folder(folder)
+            options.make_folder(folder)
         work.export_problem(episode.problem, episode.domain, folder / output.name, form, renamed, header)
     remark(f"{output}: {len(episode.problem.objects)} objects, goal {' '.join(str(a) for a in sorted(episode.problem.goal))}")
 
 
-def planners(json: JsonFlag = False) -> None:
+def planners(json: options.JsonFlag = False) -> None:
     """List the planners that are installed, and what each accepts."""
     from symskill_pddl.planning import missing
     from symskill_pddl.planning import planners as installed
@@ -97,10 +84,10 @@ def planners(json: JsonFlag = False) -> None:
 def plan(
     domain: Annotated[Path, typer.Argument(metavar="DOMAIN", help="A PDDL domain.")],
     problem: Annotated[Path, typer.Argument(metavar="PROBLEM", help="A PDDL problem of it.")],
-    planner: PlannerOption = None,
+    planner: options.PlannerOption = None,
     timeout: Annotated[float, typer.Option(help="Time limit [s].")] = 10.0,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="The plan file; without it the plan is printed.")] = None,
-    json: JsonFlag = False,
+    json: options.JsonFlag = False,
 ) -> None:
     """Solve a problem. Exit status 1, and an explanation, if there is no plan."""
     from symskill_pddl.pddl import write_plan
@@ -132,7 +119,7 @@ def plan(
         raise NoPlanError(f"'{problem}' has no plan: {result.status.value} (planner {result.planner})")
     text = write_plan(result.plan)
     if output is not None:
-        write_text(output, text)
+        options.write_text(output, text)
     elif not json:
         say(text.rstrip("\n"))
     count = len(result.plan)
@@ -140,12 +127,12 @@ def plan(
 
 
 def check(
-    library: LibraryArgument,
+    library: options.LibraryArgument,
     domain: Annotated[Path, typer.Argument(metavar="DOMAIN", help="A PDDL domain, perhaps edited.")],
     problem: Annotated[Path | None, typer.Argument(metavar="PROBLEM", help="A problem of it.")] = None,
     plan: Annotated[Path | None, typer.Argument(metavar="PLAN", help="A plan of that.")] = None,
     dialect: Annotated[str | None, typer.Option("--dialect", help="What it was exported as; else the nearest.")] = None,
-    json: JsonFlag = False,
+    json: options.JsonFlag = False,
 ) -> None:
     """Compare a domain with the library, validate a problem and a plan of it, and bind the plan to skills.
 

@@ -17,9 +17,9 @@ from math import prod
 from symskill_pddl import __version__
 from symskill_pddl.planning.kairos import Kairos
 from symskill_pddl.planning.mimir import Mimir
-from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, Planner, PlanResult, Session, Status, Step, session
+from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, BySession, Limits, Planner, PlanResult, Session, Status, Step, session
 from symskill_pddl.planning.search import Builtin
-from symskill_pddl.symbols import Domain, Problem, State
+from symskill_pddl.symbols import Domain, State
 
 SMALL = 100
 """Bindings of all operators to objects of their types, up to which `builtin` is as quick as anyone."""
@@ -49,23 +49,13 @@ def bindings(domain: Domain, objects: Objects) -> int:
 
 
 @dataclass(frozen=True)
-class Auto:
+class Auto(BySession):
     """The planner `auto`; see the module's text."""
 
     name: str = "auto"
     version: str = __version__
     licence: str = "Apache-2.0; see the engines it takes"
     dialects: tuple[str, ...] = ("strips", "negative", "costs")
-
-    def solve(
-        self,
-        domain: Domain,
-        problem: Problem,
-        limits: Limits = Limits(),
-        extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS,
-    ) -> PlanResult:
-        """Plan; raises `InputError` where the problem does not fit the domain."""
-        return self.session(domain, problem.objects).solve(problem.init, problem.goal, limits, extra_costs)
 
     def session(self, domain: Domain, objects: Objects) -> AutoSession:
         """A session with each engine that is needed, opened when it is."""

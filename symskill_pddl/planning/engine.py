@@ -10,12 +10,12 @@ half of the time, do they plan with all steps; the messages say which it was.
 from __future__ import annotations
 
 import time
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from symskill_pddl.pddl.dialect import exported, fresh
-from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Session, Status, Step
+from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, BySession, Limits, PlanResult, Session, Status, Step
 from symskill_pddl.symbols import Absent, Atom, Domain, Predicate, Problem, State
 
 Objects = tuple[tuple[str, str], ...]
@@ -24,8 +24,12 @@ Ask = Callable[[State, State, Limits], PlanResult]
 """Plans from a state to a goal, over a domain and objects that were given before."""
 
 
-class Engine(ABC):
-    """A planner that knows no costs of single ground steps. It says how it plans; keeping a domain loaded is a choice."""
+class Engine(BySession):
+    """A planner that knows no costs of single ground steps. It says how it plans; keeping a domain loaded is a choice.
+
+    Ground steps with extra costs are left out where there is another way. Besides what `solve` raises otherwise, there is
+    `MissingDependencyError` where the engine is not installed, and `InputError` where its dialect cannot say the problem.
+    """
 
     @abstractmethod
     def plan(self, domain: Domain, problem: Problem, limits: Limits) -> PlanResult:
@@ -35,28 +39,8 @@ class Engine(ABC):
         """Load a domain; an engine that keeps nothing is given all of it each time."""
         return lambda init, goal, limits: self.plan(domain, Problem("replanning", domain.name, objects, init, goal), limits)
 
-    def solve(
-        self,
-        domain: Domain,
-        problem: Problem,
-        limits: Limits = Limits(),
-        extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS,
-    ) -> PlanResult:
-        """Plan; ground steps with extra costs are left out where there is another way.
-
-        Raises
-        ------
-        InputError
-            The problem does not fit the domain, or the dialect cannot say it.
-        MissingDependencyError
-            The engine is not installed.
-        """
-        start = time.monotonic()
-        found = self.session(domain, problem.objects).solve(problem.init, problem.goal, limits, extra_costs)
-        return replace(found, seconds=time.monotonic() - start)
-
     def session(self, domain: Domain, objects: Objects) -> Session:
-        """The engine with the domain loaded; raises as `solve` does."""
+        """The engine with the domain loaded."""
         return _Avoiding(self, domain, objects)
 
 

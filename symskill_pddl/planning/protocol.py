@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import time
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from types import MappingProxyType
 from typing import Protocol, runtime_checkable
@@ -110,6 +112,22 @@ class Warm(Protocol):
 
     def session(self, domain: Domain, objects: tuple[tuple[str, str], ...]) -> Session:
         """Load a domain and the objects, (object, type) pairs, of the problems to come."""
+
+
+class BySession(ABC):
+    """A planner whose `solve` is a session's that is asked once."""
+
+    @abstractmethod
+    def session(self, domain: Domain, objects: tuple[tuple[str, str], ...]) -> Session:
+        """See `Warm`."""
+
+    def solve(
+        self, domain: Domain, problem: Problem, limits: Limits = Limits(), extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS
+    ) -> PlanResult:
+        """Plan; raises `InputError` where the problem does not fit the domain, and what opening a session raises."""
+        start = time.monotonic()
+        found = self.session(domain, problem.objects).solve(problem.init, problem.goal, limits, extra_costs)
+        return replace(found, seconds=time.monotonic() - start)
 
 
 @dataclass(frozen=True)
