@@ -11,18 +11,22 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 LOCK := requirements/dev.lock
 STAMP := $(VENV)/.installed
+ROBOCASA_VENV ?= .venv-robocasa
+ROBOCASA_LOCK := requirements/robocasa.lock
+ROBOCASA_STAMP := $(ROBOCASA_VENV)/.installed
 
 # One thread for small linear algebra (more is slower), and no search for a display.
 export OMP_NUM_THREADS := 1
 export MUJOCO_GL := disabled
 
-.PHONY: help install demo test check format lint types contracts examples demonstrations clean
+.PHONY: help install robocasa robocasa-packages robocasa-test demo test check format lint types contracts examples demonstrations clean
 
 help:
 	@echo "make demo       install everything into $(VENV) and run the quickstart (writes symskill-out/)"
 	@echo "make test       install everything, then format check, lint, types, import contracts and all tests"
 	@echo "make install    only the installation"
 	@echo "make lint       format check and lint;   make format   rewrite;   make types;   make contracts"
+	@echo "make robocasa   RoboCasa in $(ROBOCASA_VENV) beside it, and small assets for it;   make robocasa-test   its tests"
 	@echo "make examples   make domains/ and problems/ again from the shipped demonstrations"
 	@echo "make demonstrations   record the shipped demonstrations again"
 	@echo "make clean      remove caches and outputs;   rm -r $(VENV) removes the installation"
@@ -38,6 +42,26 @@ $(STAMP): $(LOCK) pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r $(LOCK)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@
+
+# RoboCasa needs another robosuite than ours, under the same import name: an environment of its own, and beside it
+# assets of primitive shapes (somebody who has RoboCasa's own says where with ROBOCASA_ASSETS_PATH).
+robocasa: .robocasa-assets/symskill-assets.txt
+
+robocasa-packages: $(ROBOCASA_STAMP)
+
+.robocasa-assets/symskill-assets.txt: $(ROBOCASA_STAMP) symskill_pddl/robocasa/assets.py symskill_pddl/robocasa/asset_models.py
+	$(ROBOCASA_VENV)/bin/python scripts/robocasa_assets.py .robocasa-assets
+
+$(ROBOCASA_STAMP): $(ROBOCASA_LOCK) pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+	    || { echo "symskill needs Python 3.11 or newer; say which with: make PYTHON=python3.12 ..." >&2; exit 1; }
+	test -x $(ROBOCASA_VENV)/bin/python || $(PYTHON) -m venv $(ROBOCASA_VENV)
+	$(ROBOCASA_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps -r $(ROBOCASA_LOCK)
+	$(ROBOCASA_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+robocasa-test: robocasa
+	$(ROBOCASA_VENV)/bin/python -m pytest tests/robocasa
 
 demo: install
 	$(BIN)/symskill quickstart

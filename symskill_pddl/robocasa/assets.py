@@ -79,7 +79,8 @@ def robocasa_folder() -> Path:
         There is none.
     """
     spec = find_spec("robocasa")
-    if spec is None or not spec.submodule_search_locations:
+    # without an origin it is a folder that happens to be called so
+    if spec is None or spec.origin is None or not spec.submodule_search_locations:
         raise MissingDependencyError("RoboCasa is not installed in this environment: `make robocasa` builds one that has it")
     return Path(next(iter(spec.submodule_search_locations)))
 
