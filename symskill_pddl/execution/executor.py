@@ -37,14 +37,14 @@ from symskill_pddl.execution.monitor import (
     only_clearance_lacks,
 )
 from symskill_pddl.execution.outcome import Category, Outcome
-from symskill_pddl.execution.recovery import goal_phase, goal_shift, key_of, later_leg, way_in
-from symskill_pddl.execution.runner import Motion, Obstacles, SkillRun
+from symskill_pddl.execution.preparation import Preparation
+from symskill_pddl.execution.recovery import key_of
+from symskill_pddl.execution.runner import Motion, SkillRun
 from symskill_pddl.execution.timing import spreads
 from symskill_pddl.execution.trace import Header, OutcomeLine, TimesLine, TraceWriter, rows, step_line, tick_line
 from symskill_pddl.library import Library
 from symskill_pddl.planning import Planner
 from symskill_pddl.scene import GRIPPER, Scene, World
-from symskill_pddl.skills import Skill
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, GroundOperator, State
 
 
@@ -155,11 +155,11 @@ class _Run:
         journal: Journal,
         on_step: Callable[[int, GroundOperator], None] | None,
     ) -> None:
-        self.library, self.goal, self.config, self.rng, self.journal, self.on_step = library, goal, config, rng, journal, on_step
-        self.extents = extents
+        self.goal, self.config, self.journal, self.on_step = goal, config, journal, on_step
         self.body = Body(world, library, objects, config.motion, config.debounce)
         self.belief = Belief(frozenset(c.predicate.name for c in library.classifiers if c.child == GRIPPER))
         self.mind = Deliberation(domain, goal, objects, planner, library, config, self.body, self.belief, journal)
+        self.preparation = Preparation(library, config, extents, rng, self.body, self.belief, self.mind)
         self.replans = 0
         self.by_itself = False
         """Whether the last step was left in the middle: if the goal holds then, it came about by itself."""
@@ -198,7 +198,7 @@ class _Run:
         if planned is None:
             return self.hopeless()
         for index, step in enumerate(planned.steps):
-            watch, run, _ = self.prepare(planned, index, blind=True)
+            watch, run, _ = self.preparation.ready(planned, index, blind=True)
             self.announce(watch, Continue("without monitor"), run, 0)
             why, memory = "the skill has ended", Memory()
             while True:
@@ -223,7 +223,7 @@ class _Run:
         """Run the plan's steps; why it was left."""
         index = 0
         while index < len(planned.steps):
-            watch, run, attempt = self.prepare(planned, index)
+            watch, run, attempt = self.preparation.ready(planned, index)
             entry = len(self.body.path) - 1
             verdict: Verdict = (check := check_start(watch, self.body.state))
             self.announce(watch, verdict, run, attempt)
@@ -302,79 +302,6 @@ class _Run:
             turn=motion.turn,
             rest_s=motion.rest_s,
         )
-
-    def prepare(self, planned: Planned, index: int, blind: bool = False) -> tuple[Watch, SkillRun, int]:
-        """What the monitor watches; the skill bound to its objects, resampled if the step has failed before; how often it has."""
-        step, config = planned.steps[index], self.config
-        learned = self.library.learned(step.name)
-        skill = self.library.skills[learned.skill]
-        binding = dict(zip((p.name for p in learned.operator.parameters), step.args, strict=True))
-        first = self.begin_otherwise(step, skill, binding, planned.assumed)
-        state = self.body.state
-        attempt = self.belief.failures.count(key_of(step))
-        shift = None
-        if attempt and config.resample:
-            radius = min(config.sample_most, attempt * config.sample_growth)
-            shift = goal_shift(step, skill, binding, self.library.classifiers, self.body.scene, self.rng, radius)
-        spared = frozenset(step.args) | self.belief.held(state)
-        avoided = strange = None
-        if config.motion.avoid and self.extents:
-            objects, shown = self.body.scene.objects, {t.name for t in self.library.types}
-            known = {kind: half for kind, half in self.extents.items() if kind in shown}
-            other = {kind: half for kind, half in self.extents.items() if kind not in shown}
-            avoided = Obstacles(objects, known, spared, config.motion, self.body.velocities)
-            if any(kind in other for kind in objects.values()):
-                strange = Obstacles(objects, other, spared, config.motion, self.body.velocities, whole_hand=True)
-        run = SkillRun(
-            skill,
-            binding,
-            self.body.scene,
-            config.motion,
-            shift=shift,
-            first=first,
-            awaited=self.awaited(step, skill, binding) if learned.kind == "move" and not blind else None,
-            obstacles=avoided,
-            strange=strange,
-        )
-        # what is hinged or slides cannot be dropped, and the hand may let go of it and push on
-        hinged_s = learned.duration_s[1] if learned.kind == "move" else 0.0
-        watch = Watch(
-            step=step,
-            index=index,
-            later=planned.steps[index + 1 :],
-            gripper=self.belief.gripper,
-            start_s=self.body.now,
-            start_state=state,
-            inherited=self.belief.pending(state),
-            assumed=planned.assumed,
-            phases=run.phases,
-            exit_s=skill.phases[-1].duration_s,
-            budget_s=config.budget_factor * learned.duration_s[1] + config.budget_margin_s,
-            grace_s=config.grace_s + hinged_s,
-            stall_s=config.stall_s,
-            blocked_s=config.blocked_s,
-            still_speed=config.still_speed,
-            still_turn=config.still_turn,
-        )
-        return watch, run, attempt
-
-    def awaited(self, step: GroundOperator, skill: Skill, binding: Mapping[str, str]) -> tuple[int, Callable[[], bool]] | None:
-        """The phase that brings what is hinged or slides to its place, and whether it is there."""
-        effects = frozenset(a for a in step.add if len(a.args) > 1 and a.predicate not in self.belief.gripper)
-        found = [goal_phase(skill, binding, a.args[-1], grasp=False) for a in effects]
-        places = [place for place in found if place is not None]
-        return (max(places), lambda: effects <= self.body.state) if places else None
-
-    def begin_otherwise(self, step: GroundOperator, skill: Skill, binding: Mapping[str, str], assumed: State) -> int:
-        """A step that was blocked from where it began is begun elsewhere, or with a later phase; the phase to begin with."""
-        blocked = self.belief.blocked.get(key_of(step))
-        if blocked is None or not step.pre <= self.body.state | assumed:
-            return 0
-        first = later_leg(skill, blocked)
-        begin = None if first else way_in(skill, binding, self.body.scene)
-        if begin is not None:
-            self.mind.begin_at(begin, f"{step} was blocked from where it began")
-        return first
 
     def announce(self, watch: Watch, verdict: Verdict, run: SkillRun, attempt: int) -> None:
         """Tell of a step's start."""
