@@ -144,7 +144,8 @@ def _head(trace: Trace) -> str:
     off = [name for name in ("monitor", "resampling", "replanning", "tracking", "obstacles") if not getattr(header, name)]
     goal = " ".join(map(_atom, header.goal))
     without = f", without {', '.join(off)}" if off else ""
-    return f"{header.task or 'a run'}, seed {header.seed}, goal {goal}{without}"
+    where = f" in {header.world}" if header.world else ""
+    return f"{header.task or 'a run'}{where}, seed {header.seed}, goal {goal}{without}"
 
 
 def _warnings(trace: Trace) -> Iterator[str]:
@@ -172,6 +173,7 @@ def _tell(trace: Trace, shown: list[Moment], decisions: int, different: int) -> 
 def _document(trace: Trace, shown: list[Moment], decisions: int, different: int) -> dict[str, Any]:
     header, outcome = trace.header, trace.outcome
     return {
+        **({"world": header.world} if header.world else {}),
         "task": header.task,
         "seed": header.seed,
         "goal": [_atom(row) for row in header.goal],

@@ -35,6 +35,8 @@ class Episode:
     Attributes
     ----------
     world : OpenEpisode
+    name : str
+        Of its world, as for `worlds.arena_named`.
     domain : Domain
         The library's, under the library's own names.
     problem : Problem
@@ -49,6 +51,7 @@ class Episode:
     """
 
     world: OpenEpisode
+    name: str
     domain: Domain
     problem: Problem
     judged: bool
@@ -112,7 +115,7 @@ def prepare(
     init |= {a.atom for a in assumed}
     problem = Problem(f"{task}-{seed}".lower(), domain.name, tuple(objects.items()), init, atoms)
     notes = unlike(own.init, init) if own is not None else ()
-    return Episode(opened, domain, problem, goal is None and own is None, assumed, notes)
+    return Episode(opened, world, domain, problem, goal is None and own is None, assumed, notes)
 
 
 def stated_goal(text: str, domain: Domain, objects: dict[str, str]) -> State:
@@ -173,6 +176,8 @@ def run_episode(
         rng=np.random.default_rng([seed, 2]),
         trace=trace,
         header=Header(
+            # traces of the default world are as they were when there was no other
+            world="" if episode.name == DEFAULT else episode.name,
             task=world.task,
             seed=seed,
             library=library_checksum,

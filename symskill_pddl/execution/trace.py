@@ -13,7 +13,15 @@ from pathlib import Path
 from types import TracebackType
 from typing import Annotated, Any, Literal, TextIO
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    TypeAdapter,
+    ValidationError,
+    model_serializer,
+)
 
 from symskill_pddl.errors import FormatError, InputError
 from symskill_pddl.execution.monitor import (
@@ -43,6 +51,8 @@ class Header(_Line):
 
     event: Literal["header"] = "header"
     schema_version: int = SCHEMA
+    world: str = ""
+    """Left out of the file where nothing is said."""
     task: str = ""
     seed: int = 0
     goal: tuple[Row, ...] = ()
@@ -56,6 +66,13 @@ class Header(_Line):
     tracking: bool = True
     obstacles: bool = True
     period_s: float = 0.0
+
+    @model_serializer(mode="wrap")
+    def _plain(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        fields: dict[str, Any] = write(self)
+        if not self.world:
+            del fields["world"]
+        return fields
 
 
 class GroundStep(_Line):

@@ -161,7 +161,7 @@ def view_run(trace: Trace) -> RunView:
             close(line.time)
     close(end)
     return RunView(
-        task=header.task,
+        task=f"{header.task} in {header.world}" if header.world else header.task,
         seed=header.seed,
         planner=header.planner,
         monitor=header.monitor,

@@ -31,7 +31,12 @@ def test_a_task_is_posed_and_run_there(symskill: Callable[..., Any], toys: Path,
     assert "(food-in-cabinet cheese cabinet-1)" in problem.read_text()
     done = symskill("run", toys, *episode, "--trace", trace, "--json")
     assert (done.status, json.loads(done.out)["success"]) == (0, True), done.err
-    assert symskill("replay", trace).status == 0
+    replayed = symskill("replay", trace)
+    assert (replayed.status, "StoreIt in toy_arena:ARENA, seed 1" in replayed.out) == (0, True)
+    assert json.loads(symskill("replay", trace, "--json").out)["world"] == "toy_arena:ARENA"
+    page = tmp_path / "run.html"
+    assert symskill("report", trace, "-o", page).status == 0
+    assert "toy_arena:ARENA" in page.read_text()
 
 
 def test_it_is_evaluated_there(symskill: Callable[..., Any], toys: Path, tmp_path: Path) -> None:
