@@ -19,7 +19,7 @@ ROBOCASA_STAMP := $(ROBOCASA_VENV)/.installed
 export OMP_NUM_THREADS := 1
 export MUJOCO_GL := disabled
 
-.PHONY: help install robocasa robocasa-packages robocasa-test demo test check format lint types contracts examples demonstrations clean
+.PHONY: help install ray-packages ray-test robocasa robocasa-packages robocasa-test demo test check format lint types contracts examples demonstrations clean
 
 help:
 	@echo "make demo       install everything into $(VENV) and run the quickstart (writes symskill-out/)"
@@ -27,6 +27,7 @@ help:
 	@echo "make install    only the installation"
 	@echo "make lint       format check and lint;   make format   rewrite;   make types;   make contracts"
 	@echo "make robocasa   RoboCasa in $(ROBOCASA_VENV) beside it, and small assets for it;   make robocasa-test   its tests"
+	@echo "make ray-test   Ray into $(VENV), and its tests"
 	@echo "make examples   make domains/ and problems/ again from the shipped demonstrations"
 	@echo "make demonstrations   record the shipped demonstrations again"
 	@echo "make clean      remove caches and outputs;   rm -r $(VENV) removes the installation"
@@ -62,6 +63,12 @@ $(ROBOCASA_STAMP): $(ROBOCASA_LOCK) pyproject.toml
 
 robocasa-test: robocasa
 	$(ROBOCASA_VENV)/bin/python -m pytest tests/robocasa
+
+ray-packages: install
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r requirements/ray.lock
+
+ray-test: ray-packages
+	$(BIN)/python -m pytest tests/evaluation/test_spread.py
 
 demo: install
 	$(BIN)/symskill quickstart
