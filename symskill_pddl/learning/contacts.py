@@ -1,4 +1,4 @@
-"""How the gripper acts on things: gripper-in-object predicates, and the label of every episode (METHOD section 4)."""
+"""How the gripper acts on things: gripper-in-object predicates, and the label of every episode."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Groups of transitions into operators: effects, strict and refined preconditions, maintain conditions (METHOD section 5)."""
+"""Groups of transitions into operators: effects, strict and refined preconditions, maintain conditions."""
 
 from __future__ import annotations
 

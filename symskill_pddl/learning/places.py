@@ -1,4 +1,4 @@
-"""Where things rest: clusters of rest poses at one type of reference (METHOD section 4)."""
+"""Where things rest: clusters of rest poses at one type of reference."""
 
 from __future__ import annotations
 

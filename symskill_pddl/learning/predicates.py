@@ -1,4 +1,4 @@
-"""Rest poses and contacts into predicates without names, and every episode labelled with them (METHOD sections 3 and 4).
+"""Rest poses and contacts into predicates without names, and every episode labelled with them.
 
 Each label of an episode - where the object rested, how the gripper acted on it, where it came to rest - is a cluster by
 construction, so operators can be grouped without a look at thresholds. What is odd is named in `Relations.notes` and left out.

@@ -1,4 +1,4 @@
-"""What an object rests at: the reference of each resting place (METHOD section 3, the default selector).
+"""What an object rests at: the reference of each resting place (the default selector).
 
 Every other object of the scene, but the object's own parts, is a candidate. A candidate scores
 

@@ -1,4 +1,4 @@
-"""Unsegmented recordings into episodes: who moved what, when, and where it rested (paper, Demo Segmentation; METHOD section 2).
+"""Unsegmented recordings into episodes: who moved what, when, and where it rested (paper, Demo Segmentation).
 
 `motions` says what moved when. An episode is a motion by the hand, from before it comes until after it has left. Later, an
 episode that leads from one rest cluster into the same one is dropped (`predicates`).

@@ -1,4 +1,4 @@
-"""Sets of relative poses: how they fall into clusters, and the pair of Gaussians around one of them (METHOD section 4)."""
+"""Sets of relative poses: how they fall into clusters, and the pair of Gaussians around one of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Demonstrated end-effector paths of an operator into a skill: fields per stretch of one finger command (METHOD section 6).
+"""Demonstrated end-effector paths of an operator into a skill: fields per stretch of one finger command.
 
 Pick: the approach from t_0 to contact, in the moved object's frame. Place: the motion from first to last movement of the
 object, in the reference's frame, then the retreat in the object's frame. Within each part the path is cut where the finger

@@ -1,4 +1,4 @@
-"""Two transitions per episode: the pick (premotion, up to lift-off) and the place (motion, up to exit); METHOD section 5."""
+"""Two transitions per episode: the pick (premotion, up to lift-off) and the place (motion, up to exit)."""
 
 from __future__ import annotations
 
