@@ -62,7 +62,7 @@ $(ROBOCASA_STAMP): $(ROBOCASA_LOCK) pyproject.toml
 	@touch $@
 
 robocasa-test: robocasa
-	$(ROBOCASA_VENV)/bin/python -m pytest tests/robocasa
+	$(ROBOCASA_VENV)/bin/python -m pytest tests/robocasa tests/demos/test_lerobot.py
 
 ray-packages: install
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -r requirements/ray.lock

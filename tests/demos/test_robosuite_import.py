@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from symskill_pddl.demos import import_robosuite, load_demos, save_demos
+from symskill_pddl.demos.recorded import commanded_closed
 from symskill_pddl.demos.replay import KinematicModel, kinematic_xml, object_name, type_name
-from symskill_pddl.demos.robosuite_import import commanded_closed
 from symskill_pddl.errors import FormatError, InputError
 from symskill_pddl.geometry import rotation_distance
 

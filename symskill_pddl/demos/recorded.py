@@ -1,0 +1,231 @@
+"""What recordings of a simulator have in common, whichever file they came in: states, the model's XML, and what was done.
+
+Poses of objects are in no such file; they are replayed from the states, by who knows which frames matter.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from symskill_pddl.demos.demo import BoolArray
+from symskill_pddl.demos.hdf5 import natural_key
+from symskill_pddl.errors import FormatError, InputError, alternatives
+from symskill_pddl.geometry import Array
+
+T = TypeVar("T")
+
+DEFAULT_CONTROL_HZ = 20.0
+ARM_ACTION = 6
+"""Numbers of an action that move the end effector; where the arm stands on a base that drives, the gripper's follows them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """One recorded episode.
+
+    Attributes
+    ----------
+    where : str
+        For messages: the file and the episode in it.
+    source, name : str
+        Stem of the file, and name of the episode.
+    env : dict
+        The environment's description, or nothing.
+    meta : dict
+        RoboCasa's description of the episode, or nothing.
+    xml : str
+        The model.
+    states : ndarray (n, 1 + nq + nv)
+        Time, joint positions, joint velocities.
+    closed : ndarray of bool (n,)
+        What the fingers were commanded to do.
+    times : ndarray (n,)
+        Seconds from the first state.
+    kept : dict
+        Attributes for the demonstration.
+    """
+
+    where: str
+    source: str
+    name: str
+    env: Mapping[str, Any]
+    meta: Mapping[str, Any]
+    xml: str
+    states: Array
+    closed: BoolArray
+    times: Array
+    kept: Mapping[str, str | int | float] = field(default_factory=dict)
+
+    def fail(self, message: str) -> FormatError:
+        """An error about this episode."""
+        return FormatError(f"{self.where}: {message}")
+
+    def check_states(self, size: int) -> None:
+        """Raise if the states have another number of columns than the model's `size`."""
+        if self.states.shape[1] != size:
+            raise self.fail(f"states have {self.states.shape[1]} numbers, the model needs {size} (time, positions, velocities)")
+
+
+def read_recording(path: str | Path, make: Callable[[Recorded], T]) -> tuple[T, ...]:
+    """Apply `make` to each episode of a robosuite or robomimic recording, sorted by name, one in memory at a time.
+
+    Parameters
+    ----------
+    path : str or Path
+        HDF5 with ``data/demo_*/{states, actions}``. The model XML is the demonstration's attribute ``model_file``, or, in old
+        recordings, a file of that name: beside the recording, in ``models/`` there, or with the recording's stem in front
+        (``lift.hdf5``: ``lift_model_1.xml``).
+    make : callable
+
+    Raises
+    ------
+    InputError
+        If the file does not exist or its model is missing.
+    FormatError
+        If the file is damaged or is no such recording.
+    """
+    import h5py
+
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(
+            f"'{path}' {'is a folder' if path.is_dir() else 'does not exist'}; expected a robosuite or robomimic HDF5 recording"
+        )
+    try:
+        with h5py.File(path, "r") as file:
+            data = file.get("data")
+            if not isinstance(data, h5py.Group) or not any(isinstance(data[k], h5py.Group) for k in data):
+                raise FormatError(
+                    f"'{path}': data: no demonstrations (data/demo_1, ...); the file has: {alternatives(map(str, file))}"
+                )
+            names = sorted((str(k) for k in data if isinstance(data[k], h5py.Group)), key=natural_key)
+            return tuple(make(_Group(path, data, name).recorded()) for name in names)
+    except InputError:
+        raise
+    except PermissionError as error:
+        raise InputError(f"cannot read '{path}': {error.strerror or 'permission denied'}") from error
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, UnicodeError, OverflowError, MemoryError) as error:
+        reason = " ".join(str(error).split())[:160]
+        raise FormatError(f"'{path}' is not a readable HDF5 file (damaged or truncated): {reason}") from error
+
+
+class _Group:
+    """One demonstration of a file."""
+
+    def __init__(self, path: Path, data: Any, name: str) -> None:
+        self.path, self.name, self.group = path, name, data[name]
+        self.attributes = {**dict(data.attrs), **dict(self.group.attrs)}
+
+    def fail(self, message: str) -> FormatError:
+        return FormatError(f"'{self.path}': data/{self.name}: {message}")
+
+    def recorded(self) -> Recorded:
+        env = self._json("env_args") or self._json("env_info")
+        env.setdefault("env_name", str(self.attributes.get("env") or "unknown"))
+        check_one_arm(env, self.fail)
+        xml = self._model_xml()
+        states, actions = self._array("states"), self._array("actions")
+        if len(actions) != len(states):
+            raise self.fail(f"{len(actions)} actions do not match {len(states)} states")
+        # on a base that drives, the last numbers are for that
+        gripper = ARM_ACTION if "mobilebase0_base" in xml and actions.shape[1] > ARM_ACTION else -1
+        kept: dict[str, str | int | float] = {}
+        for ours, theirs in (("env_version", "repository_version"), ("recorded_on", "date")):
+            if isinstance(value := self.attributes.get(theirs), str):
+                kept[ours] = value
+        return Recorded(
+            where=f"'{self.path}': data/{self.name}",
+            source=self.path.stem,
+            name=self.name,
+            env=env,
+            meta=self._json("ep_meta"),
+            xml=xml,
+            states=states,
+            closed=commanded_closed(actions[:, gripper]),
+            times=times_of(states[:, 0], env, self.fail),
+            kept=kept,
+        )
+
+    def _json(self, key: str) -> dict[str, Any]:
+        """An attribute that is a JSON object (robomimic's `env_args`, robosuite's `env_info`, RoboCasa's `ep_meta`); or {}."""
+        if key not in self.attributes:
+            return {}
+        try:
+            value = json.loads(self.attributes[key])
+        except (json.JSONDecodeError, TypeError):
+            value = None
+        if not isinstance(value, dict) or not isinstance(value.get("env_kwargs", {}), dict):
+            raise self.fail(f"attribute '{key}' has to be a JSON object")
+        return value
+
+    def _model_xml(self) -> str:
+        model = self.attributes.get("model_file")
+        if isinstance(model, bytes):
+            model = model.decode("utf-8")
+        if not isinstance(model, str) or not model.strip():
+            raise self.fail(
+                "has no attribute 'model_file': without the model's XML its states cannot be read; export the states file with it"
+            )
+        if model.lstrip().startswith("<"):
+            return str(model)
+        file = Path(model.replace("\\", "/")).name  # the folder in front of it is of another machine
+        folder = self.path.parent
+        candidates = (folder / f"{self.path.stem}_{file}", folder / "models" / file, folder / file)
+        for candidate in candidates:
+            if candidate.is_file():
+                try:
+                    return candidate.read_text(encoding="utf-8")
+                except (OSError, UnicodeError) as error:
+                    raise self.fail(f"cannot read the model '{candidate}': {error}") from error
+        looked = ", ".join(f"'{c}'" for c in candidates)
+        raise InputError(f"'{self.path}': data/{self.name}: its model '{file}' is missing; put it at one of {looked}")
+
+    def _array(self, name: str) -> Array:
+        import h5py
+
+        dataset = self.group.get(name)
+        if not isinstance(dataset, h5py.Dataset):
+            raise self.fail(f"there is no dataset '{name}'; it has: {alternatives(map(str, self.group))}")
+        if dataset.ndim != 2 or dataset.shape[0] < 2 or dataset.shape[1] < 1 or dataset.dtype.kind not in "fiu":
+            raise self.fail(f"'{name}' has to be numbers (n >= 2, m >= 1), found {dataset.dtype} {dataset.shape}")
+        return finite(name, np.asarray(dataset[...], dtype=np.float64), self.fail)
+
+
+def check_one_arm(env: Mapping[str, Any], fail: Callable[[str], FormatError]) -> None:
+    """Raise if the environment has several robots."""
+    robots = env.get("env_kwargs", env).get("robots")
+    if isinstance(robots, list) and len(robots) > 1:
+        raise fail(
+            f"only recordings of one arm can be imported, this one has {len(robots)} robots ({', '.join(map(str, robots))})"
+        )
+
+
+def finite(name: str, values: Array, fail: Callable[[str], FormatError]) -> Array:
+    """The values, if all are finite."""
+    bad = np.argwhere(~np.isfinite(values))
+    if bad.size:
+        raise fail(f"'{name}' holds a number that is not finite, at row {bad[0][0]}")
+    return values
+
+
+def times_of(recorded: Array, env: Mapping[str, Any], fail: Callable[[str], FormatError]) -> Array:
+    """Seconds (n,) from the first state, by the simulator's clock where that goes on, else by the control rate."""
+    if np.all(np.diff(recorded) > 0):
+        return recorded - recorded[0]
+    # some collectors reset the simulator's clock in between: the rate is what they all share
+    rate = env.get("env_kwargs", env).get("control_freq", DEFAULT_CONTROL_HZ)
+    if not isinstance(rate, int | float) or not rate > 0:
+        raise fail(f"control_freq has to be a positive number of hertz, found {rate!r}")
+    return np.arange(len(recorded)) / float(rate)
+
+
+def commanded_closed(command: Array) -> BoolArray:
+    """The gripper's commanded state (n,) from robosuite's gripper action (n,): > 0 closes, < 0 opens, 0 holds; open at first."""
+    last = np.maximum.accumulate(np.where(command != 0, np.arange(len(command)), -1))
+    return np.asarray((last >= 0) & (command[np.maximum(last, 0)] > 0))
