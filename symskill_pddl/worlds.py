@@ -11,7 +11,7 @@ from symskill_pddl.errors import InputError, alternatives
 if TYPE_CHECKING:
     from symskill_pddl.arena import Arena
 
-ARENAS = {"kitchen": "symskill_pddl.kitchen.arena:ARENA"}
+ARENAS = {"kitchen": "symskill_pddl.kitchen.arena:ARENA", "robocasa": "symskill_pddl.robocasa.arena:ARENA"}
 """Where each is: the module, and what the arena is called there."""
 DEFAULT = "kitchen"
 """Where nothing else is said."""

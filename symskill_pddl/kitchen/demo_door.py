@@ -11,11 +11,11 @@ import numpy as np
 
 from symskill_pddl.demonstrator.hand import Hand
 from symskill_pddl.demonstrator.human import vary
-from symskill_pddl.demonstrator.part import take_along, take_hold
+from symskill_pddl.demonstrator.part import Jointed, take_along, take_hold
 from symskill_pddl.demonstrator.poses import along
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
-from symskill_pddl.kitchen.demo_part import Jointed
+from symskill_pddl.kitchen.demo_part import seen
 
 YAW_AT_SHUT, YAW_WITH_DOOR = np.radians(15.0), 0.6
 BAR_PITCH_DEG = (39.0, 45.0)
@@ -29,7 +29,7 @@ AJAR_DEG = (49.5, 52.5)
 def open_door(hand: Hand, door_name: str) -> None:
     """Grasp the bar, pull until ajar, let go, round the free edge, push the inner face until wide open, leave on that side."""
     rng = hand.rng
-    door = Jointed.seen(hand.scene, door_name)
+    door = seen(hand.scene, door_name)
     x, y, z = layout.HANDLE
     bar, pitch = (x, y, z + float(rng.uniform(-0.015, 0.015))), float(np.radians(rng.uniform(*BAR_PITCH_DEG)))
 
@@ -68,7 +68,7 @@ def _push_open(hand: Hand, door: Jointed, ajar: float) -> None:
 def close_door(hand: Hand, door_name: str) -> None:
     """Grasp the free edge of the open door, pull it until ajar, let go, and push the bar from the front until it is shut."""
     rng = hand.rng
-    door = Jointed.seen(hand.scene, door_name)
+    door = seen(hand.scene, door_name)
     start = door.position(hand.scene.pose(door_name))
     height, pitch = layout.HANDLE[2] + float(rng.uniform(-0.01, 0.03)), float(np.radians(rng.uniform(57.0, 63.0)))
 

@@ -8,7 +8,7 @@ from symskill_pddl.demonstrator.hand import Hand
 from symskill_pddl.demonstrator.part import grasp_and_take
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
-from symskill_pddl.kitchen.demo_part import Jointed
+from symskill_pddl.kitchen.demo_part import seen
 
 PITCH_DEG = (58.0, 66.0)
 """The hand looks down this much: flatter, the wrist meets its limit; steeper, the hand meets the drawer's front."""
@@ -28,7 +28,7 @@ def close_drawer(hand: Hand, name: str) -> None:
 
 def _slide(hand: Hand, name: str, goal: float) -> None:
     rng = hand.rng
-    drawer = Jointed.seen(hand.scene, name)
+    drawer = seen(hand.scene, name)
     x, y, z = layout.DRAWER_BAR
     bar, pitch = (x, y + float(rng.uniform(-0.02, 0.02)), z), float(np.radians(rng.uniform(*PITCH_DEG)))
 

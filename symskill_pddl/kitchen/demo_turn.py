@@ -8,7 +8,7 @@ from symskill_pddl.demonstrator.hand import Hand
 from symskill_pddl.demonstrator.part import grasp_and_take, push_along
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
-from symskill_pddl.kitchen.demo_part import Jointed
+from symskill_pddl.kitchen.demo_part import seen
 
 KNOB_PITCH_DEG = (82.0, 88.0)
 KNOB_OFF = (0.0, 0.08)
@@ -42,7 +42,7 @@ def turn_lever_off(hand: Hand, name: str) -> None:
 
 def _twist(hand: Hand, name: str, goal: float) -> None:
     rng = hand.rng
-    knob = Jointed.seen(hand.scene, name)
+    knob = seen(hand.scene, name)
     x, y, z = layout.PARTS[name].grip
     ridge, pitch = (x + float(rng.uniform(-0.004, 0.004)), y, z), float(np.radians(rng.uniform(*KNOB_PITCH_DEG)))
 
@@ -54,7 +54,7 @@ def _twist(hand: Hand, name: str, goal: float) -> None:
 
 def _push(hand: Hand, name: str, goal: float) -> None:
     rng = hand.rng
-    lever = Jointed.seen(hand.scene, name)
+    lever = seen(hand.scene, name)
     x, y, z = layout.PARTS[name].grip
     ahead = np.sign(goal - lever.position(hand.scene.pose(name))) * LEVER_LEAD
     end, pitch = (x + float(rng.uniform(-0.008, 0.008)), y + ahead, z), float(np.radians(rng.uniform(*LEVER_PITCH_DEG)))

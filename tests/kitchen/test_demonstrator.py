@@ -12,7 +12,7 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose, rotation_distance
 from symskill_pddl.kitchen import layout, make, task_named
 from symskill_pddl.kitchen.demo_door import AJAR_DEG
-from symskill_pddl.kitchen.demo_part import Jointed
+from symskill_pddl.kitchen.demo_part import seen
 from symskill_pddl.kitchen.demonstrator import WAYS, demonstrate
 from symskill_pddl.kitchen.record import record
 
@@ -28,7 +28,7 @@ def shown(task: str) -> Demo:
 
 def turned(demo: Demo) -> np.ndarray:
     """Angle of the door [deg] over time."""
-    door = Jointed("door", demo.pose("cabinet")[0])
+    door = seen(demo.scene(0), "door")
     return np.degrees([door.position(demo.pose("door")[i]) for i in range(len(demo.times))])
 
 
@@ -98,12 +98,11 @@ def test_the_parts_of_the_demonstrator_are_the_kitchens(name: str) -> None:
     kitchen.physics.set_part(name, 0.7 * part.travel)
     kitchen.physics.forward()
     scene = kitchen.observe()
-    seen = Jointed.seen(scene, name)
-    position = seen.position(scene.pose(name))
+    position = seen(scene, name).position(scene.pose(name))
     assert abs(position - 0.7 * part.travel) < 1e-6
-    assert np.allclose(seen.frame(position).p, scene.pose(name).p, atol=1e-6)
-    assert rotation_distance(seen.frame(position), scene.pose(name)) < 1e-6
-    assert np.allclose(seen.frame(0.0).p, scene.pose(part.unit).p + part.home)
+    assert np.allclose(seen(scene, name).frame(position).p, scene.pose(name).p, atol=1e-6)
+    assert rotation_distance(seen(scene, name).frame(position), scene.pose(name)) < 1e-6
+    assert np.allclose(seen(scene, name).frame(0.0).p, scene.pose(part.unit).p + part.home)
 
 
 def test_bad_requests_are_refused() -> None:

@@ -1,0 +1,92 @@
+"""RoboCasa's environments: making one for a task and a seed, and what of its physics is changed."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from typing import Any
+
+from numpy.random import Generator
+
+from symskill_pddl.errors import InputError
+from symskill_pddl.panda.arm import ARM_JOINTS, FINGER_FORCE, FINGER_JOINTS
+from symskill_pddl.robocasa.backend import load_mujoco, load_robocasa
+from symskill_pddl.robocasa.tasks import LAYOUTS, STYLES, Split, TaskSpec
+
+ATTEMPTS = 40
+"""Kitchens that are drawn until one has what the task is about."""
+
+
+def draw(spec: TaskSpec, rng: Generator, split: Split) -> Any:
+    """An environment of RoboCasa, reset: a kitchen of the split that has what the task is about.
+
+    Raises
+    ------
+    InputError
+        None was found.
+    """
+    for _ in range(ATTEMPTS):
+        layout, style = int(rng.choice(LAYOUTS[split])), int(rng.choice(STYLES))
+        env = make(spec, layout, style, int(rng.integers(2**31)))
+        if env is not None:
+            return env
+    raise InputError(f"no kitchen of RoboCasa with what task '{spec.name}' is about in {ATTEMPTS} draws")
+
+
+def make(spec: TaskSpec, layout: int, style: int, seed: int) -> Any | None:
+    """The environment of a task in one kitchen, reset, or None if the kitchen has no such fixture."""
+    robosuite, _ = load_robocasa()
+    from robocasa.models.fixtures import FixtureType
+
+    options = {
+        key: getattr(FixtureType, value.split(".")[1]) if isinstance(value, str) and value.startswith("FixtureType.") else value
+        for key, value in spec.options.items()
+    }
+    with contextlib.redirect_stdout(io.StringIO()):
+        env = robosuite.make(
+            spec.env,
+            robots="PandaOmron",
+            has_renderer=False,
+            has_offscreen_renderer=False,
+            use_camera_obs=False,
+            ignore_done=True,
+            control_freq=20,
+            layout_ids=[layout],
+            style_ids=[style],
+            seed=seed,
+            **options,
+        )
+        try:
+            env.reset()
+        except AttributeError:
+            # RoboCasa looks for the fixture, finds None, and goes on
+            if getattr(env, spec.part, None) is None:
+                return None
+            raise
+    return env
+
+
+def tune(model: Any) -> None:
+    """Change what stands in the way of grasps that hold and of episodes in reasonable time; nothing that a judge looks at.
+
+    The hand gets the drives that the real one has, which robosuite halves, and targets behind the closed position, without which
+    a thin bar is hardly held. Fixtures no longer touch each other: what is shut in a cabinet lies in its joint's stop, and a
+    hundred contacts between doors and frames are two thirds of the time of a step.
+    """
+    mujoco = load_mujoco()
+    for name in ARM_JOINTS:
+        actuator = model.actuator(name.replace("robot0_joint", "robot0_torq_j")).id
+        limit = 87.0 if int(name[-1]) < 5 else 12.0
+        model.actuator_ctrlrange[actuator] = (-limit, limit)
+    for i, name in enumerate(FINGER_JOINTS):
+        actuator = model.actuator(f"gripper0_right_gripper_finger_joint{i + 1}").id
+        model.actuator_ctrlrange[actuator] = (-0.02, 0.04) if i == 0 else (-0.04, 0.02)
+        model.actuator_forcerange[actuator] = (-FINGER_FORCE, FINGER_FORCE)
+        model.dof_damping[model.joint(name).dofadr[0]] = 60.0
+    free = mujoco.mjtJoint.mjJNT_FREE
+    loose_roots = {int(b) for b, kind in zip(model.jnt_bodyid, model.jnt_type, strict=True) if kind == free}
+    for g in range(model.ngeom):
+        root = int(model.body_rootid[model.geom_bodyid[g]])
+        robot = model.body(root).name.startswith(("robot0", "mobilebase0"))
+        if not robot and root not in loose_roots and model.geom_contype[g]:
+            model.geom_contype[g], model.geom_conaffinity[g] = 0, 1

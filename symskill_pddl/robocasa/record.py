@@ -1,0 +1,67 @@
+"""Recordings: let the demonstrator do a task in fresh episodes, in RoboCasa's training kitchens, and keep those that it judges well."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from symskill_pddl.demos import Demo
+from symskill_pddl.errors import InputError
+from symskill_pddl.geometry import Pose
+from symskill_pddl.robocasa.demonstrator import demonstrate
+from symskill_pddl.robocasa.tasks import TASKS
+from symskill_pddl.robocasa.world import open_world
+from symskill_pddl.scene import Scene
+
+MAX_SEED = 2**31 - 1
+
+
+def record(task: str, n: int, seed: int) -> tuple[Demo, ...]:
+    """`n` demonstrations of a task by people who differ; the same arguments give the same ones.
+
+    Parameters
+    ----------
+    task : str
+    n : int
+        How many, at least 1.
+    seed : int
+        The first episode's seed; the following episodes have the following seeds. Those that RoboCasa's judge calls no success
+        are dropped.
+
+    Raises
+    ------
+    InputError
+        For a count below 1 or a negative seed; if more than half of `2 n + 10` episodes fail.
+    """
+    if n < 1 or not 0 <= seed <= MAX_SEED:
+        raise InputError(f"recording needs at least 1 demonstration and a seed from 0 to {MAX_SEED}, got {n} and {seed}")
+    demos: list[Demo] = []
+    limit = 2 * n + 10
+    for episode in range(seed, seed + limit):
+        if len(demos) == n:
+            return tuple(demos)
+        world = open_world(TASKS[task], episode, "train")
+        scenes = demonstrate(world, np.random.default_rng([episode, 1]))
+        if world.succeeded():
+            attributes = {"seed": episode, "layout": int(world.env.layout_id), "style": int(world.env.style_id)}
+            demos.append(_demo(scenes, f"demo_{len(demos)}", task, world.extents, attributes))
+    if len(demos) < n:
+        raise InputError(f"task '{task}': of {limit} episodes from seed {seed} on only {len(demos)} succeeded, not {n}")
+    return tuple(demos)
+
+
+def _demo(
+    scenes: Sequence[Scene], name: str, task: str, extents: dict[str, tuple[float, float, float]], attributes: dict[str, int]
+) -> Demo:
+    demo = Demo.from_scenes(scenes, name=name, task=task, source="robocasa", extents=extents, attributes=attributes)
+    # to micrometres, far below what any sensor sees: what stands still then compresses to nothing
+    rounded = [Pose(np.round(T.p, 6), np.round(T.q, 6)) for T in (demo.T_world_ee, demo.T_world_objects)]
+    return replace(
+        demo,
+        times=np.round(demo.times, 6),
+        aperture=np.round(demo.aperture, 6),
+        T_world_ee=rounded[0],
+        T_world_objects=rounded[1],
+    )

@@ -1,0 +1,129 @@
+"""`RoboCasaWorld`: an episode in a RoboCasa kitchen as a `World`, judged by RoboCasa."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.random import default_rng
+
+from symskill_pddl.control import ELBOW_UP, ControlConfig, PassiveController
+from symskill_pddl.demonstrator.part import Jointed
+from symskill_pddl.geometry import Array, Pose
+from symskill_pddl.panda.arm import Arm
+from symskill_pddl.robocasa.backend import load_mujoco
+from symskill_pddl.robocasa.environment import draw, tune
+from symskill_pddl.robocasa.tasks import Split, TaskSpec
+from symskill_pddl.robocasa.tracking import FIXTURES, Model
+from symskill_pddl.robocasa.view import View
+from symskill_pddl.scene import Command, Scene
+
+PERIOD_S = 0.05
+MAX_SPEED, MAX_RATE = 0.6, 2.0
+"""What the arm carries out at most [m/s], [rad/s]; faster commands are scaled down."""
+MIRRORED_POSTURE = tuple(np.array(ELBOW_UP) * (-1, 1, -1, 1, -1, 1, -1) + np.array([0, 0, 0, 0, 0, 0, np.pi / 2]))
+"""The arm's mirror image of `ELBOW_UP`: the hand is mounted at 45 degrees to its last joint."""
+
+
+class RoboCasaWorld:
+    """One episode: the robot where RoboCasa puts it, its base held, in front of what the task is about.
+
+    Attributes
+    ----------
+    spec : TaskSpec
+    env : robocasa Kitchen
+        RoboCasa's environment. For its judge and the demonstrator; learned controllers see `observe()` only.
+    view : View
+        How the robot sees it.
+    arm : Arm
+        The arm in the simulator's world.
+    extents : dict of str to (float, float, float)
+        Half sizes per type [m].
+    """
+
+    period_s = PERIOD_S
+    placements: tuple[tuple[str, str], ...] = ()
+
+    def __init__(self, spec: TaskSpec, env: Any) -> None:
+        self.spec, self.env = spec, env
+        mujoco, model, data = load_mujoco(), env.sim.model._model, env.sim.data._data
+        tune(model)
+        found = Model(mujoco, model, data)
+        fixture = FIXTURES[spec.about](found, env, getattr(env, spec.part))
+        base = data.body("robot0_link0")
+        # upright: what the arm's own leaning adds is nothing that a view should have
+        yaw = 2.0 * np.arctan2(base.xquat[3], base.xquat[0])
+        T_world_robot = Pose(base.xpos.copy(), np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)]))
+        self.view = View(T_world_robot, fixture.mirrored)
+        posture = MIRRORED_POSTURE if fixture.mirrored else ELBOW_UP
+        self.arm = Arm(mujoco, model, data, PassiveController(ControlConfig(posture=posture)))
+        self.moving = {fixture.moving.tracked.name: fixture.moving}
+        self.tracked = (fixture.moving.tracked, fixture.unit)
+        self._types = {t.name: t.type for t in self.tracked}
+        self._bodies = np.array([t.body for t in self.tracked])
+        self._T_body_frame = Pose.stack([t.T_body_frame for t in self.tracked])
+        self.extents = {t.type: t.half for t in self.tracked if t.half is not None}
+        self._steps = round(PERIOD_S / model.opt.timestep)
+        self._closed, self._start = False, float(data.time)
+        self.ms: dict[str, float] = {}
+        data.qvel[:] = 0.0
+        # the base is held by its own drives and brakes
+        data.ctrl[:] = 0.0
+        self.arm.forward()
+
+    @property
+    def task(self) -> str:
+        """Name of the task."""
+        return self.spec.name
+
+    @property
+    def goals(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
+        """The demonstrated tasks whose learned goals together are the goal, each with the objects that it is about."""
+        return self.spec.goals
+
+    def part(self, name: str) -> Jointed:
+        """A part that turns or slides, as it is seen."""
+        return self.moving[name].seen(self.view)
+
+    def travel(self, name: str) -> float:
+        """How far a part can be opened [rad] or [m]."""
+        return self.moving[name].travel
+
+    def observe(self) -> Scene:
+        """The present scene."""
+        data = self.arm.data
+        T_world = Pose(data.xpos[self._bodies], data.xquat[self._bodies]) @ self._T_body_frame
+        return Scene(
+            time=round(float(data.time) - self._start, 9),
+            T_world_ee=self.view.pose(self.arm.T_world_ee()),
+            aperture=self.arm.aperture,
+            gripper_closed=self._closed,
+            objects=self._types,
+            T_world_objects=self.view.pose(T_world),
+        )
+
+    def step(self, command: Command) -> Scene:
+        """Carry out the command for one period and return the scene after it."""
+        self._closed = command.close_gripper
+        self.arm.advance(self.view.twist(_limited(command.twist)), command.close_gripper, self._steps)
+        begin = perf_counter()
+        scene = self.observe()
+        self.ms = {"observe": 1e3 * (perf_counter() - begin), "controller": 1e3 * self.arm.controller_s}
+        return scene
+
+    def succeeded(self) -> bool:
+        """RoboCasa's own judge, on the simulator's own state, after what RoboCasa does at the end of every step."""
+        self.env.update_state()
+        return bool(self.env._check_success())
+
+
+def _limited(twist: Array) -> Array:
+    """The twist, scaled down as a whole to what the arm is allowed."""
+    excess = max(float(np.linalg.norm(twist[:3])) / MAX_SPEED, float(np.linalg.norm(twist[3:])) / MAX_RATE, 1.0)
+    return np.array(twist) / excess
+
+
+def open_world(spec: TaskSpec, seed: int, split: Split = "target") -> RoboCasaWorld:
+    """An episode of a task, drawn from the seed in the kitchens of a split; same seed, same episode."""
+    return RoboCasaWorld(spec, draw(spec, default_rng([seed, 365]), split))
