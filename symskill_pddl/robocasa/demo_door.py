@@ -1,7 +1,8 @@
 """How people open and close the door of a wall cabinet that hangs close in front of them, above their shoulder.
 
-Opening takes two contacts: the bar is grasped and pulled until the door is ajar, then the inner face is pushed, so that the hand
-ends on the robot's side. Closing takes one: the hand goes below the door to its outer side and pushes it shut with closed fingers.
+Opening takes two contacts: the bar is grasped and pulled until the door is ajar, then the inner face is pushed, so that the
+hand ends on the robot's side. Closing takes one: the hand goes below the door to its outer side and pushes it shut with closed
+fingers.
 """
 
 from __future__ import annotations
@@ -44,7 +45,9 @@ def open_door(hand: Hand, door: Jointed) -> None:
 
     def inside(angle: float, inset: float, gap: float) -> Pose:
         """Beside the inner face: `inset` from the free edge (negative: beyond it), `gap` off the face."""
-        return door.hand(angle, (inner + gap, 0.05 - inset, height), INSIDE_YAW + 0.35 * (angle - ajar), INSIDE_PITCH, INSIDE_ROLL)
+        return door.hand(
+            angle, (inner + gap, 0.05 - inset, height), INSIDE_YAW + 0.35 * (angle - ajar), INSIDE_PITCH, INSIDE_ROLL
+        )
 
     now = door.position(hand.scene.pose(door.name))
     around = vary(inside(now, -0.14, 0.0), rng, 0.01)

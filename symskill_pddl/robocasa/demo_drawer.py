@@ -22,7 +22,7 @@ def open_drawer(hand: Hand, drawer: Jointed, travel: float) -> None:
     _slide(hand, drawer, travel * float(hand.rng.uniform(0.975, 0.995)))
 
 
-def close_drawer(hand: Hand, drawer: Jointed, travel: float) -> None:
+def close_drawer(hand: Hand, drawer: Jointed) -> None:
     """Push it shut."""
     _slide(hand, drawer, 0.0)
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from symskill_pddl.demonstrator.hand import Hand
 from symskill_pddl.demonstrator.part import Jointed, grasp_and_take, push_along
+from symskill_pddl.demonstrator.poses import facing
 from symskill_pddl.geometry import Pose
 
 KNOB_PITCH_DEG = (82.0, 88.0)
@@ -21,7 +22,7 @@ def turn_knob_on(hand: Hand, knob: Jointed, travel: float) -> None:
     _twist(hand, knob, travel * float(hand.rng.uniform(0.82, 0.95)))
 
 
-def turn_knob_off(hand: Hand, knob: Jointed, travel: float) -> None:
+def turn_knob_off(hand: Hand, knob: Jointed) -> None:
     """Twist it back."""
     _twist(hand, knob, float(hand.rng.uniform(0.0, 0.08)))
 
@@ -31,7 +32,7 @@ def turn_lever_on(hand: Hand, lever: Jointed, travel: float) -> None:
     _push(hand, lever, travel * float(hand.rng.uniform(0.85, 0.95)))
 
 
-def turn_lever_off(hand: Hand, lever: Jointed, travel: float) -> None:
+def turn_lever_off(hand: Hand, lever: Jointed) -> None:
     """Push it back until it stops."""
     _push(hand, lever, 0.0)
 
@@ -41,7 +42,7 @@ def _twist(hand: Hand, knob: Jointed, goal: float) -> None:
     ridge, pitch = (float(rng.uniform(-0.004, 0.004)), 0.0, 0.012), float(np.radians(rng.uniform(*KNOB_PITCH_DEG)))
 
     def on_knob(angle: float) -> Pose:
-        return knob.hand(angle, ridge, angle, pitch)
+        return knob.frame(angle) @ Pose(np.array(ridge), facing(0.0, pitch))
 
     grasp_and_take(hand, knob, on_knob, goal, float(rng.uniform(0.09, 0.11)))
 

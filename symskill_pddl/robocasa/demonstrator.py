@@ -17,11 +17,11 @@ WAYS: dict[str, Callable[[Hand, RoboCasaWorld], object]] = {
     "OpenSingleDoor": lambda hand, world: demo_door.open_door(hand, world.part("door")),
     "CloseSingleDoor": lambda hand, world: demo_door.close_door(hand, world.part("door")),
     "OpenDrawer": lambda hand, world: demo_drawer.open_drawer(hand, world.part("drawer"), world.travel("drawer")),
-    "CloseDrawer": lambda hand, world: demo_drawer.close_drawer(hand, world.part("drawer"), world.travel("drawer")),
+    "CloseDrawer": lambda hand, world: demo_drawer.close_drawer(hand, world.part("drawer")),
     "TurnOnStove": lambda hand, world: demo_turn.turn_knob_on(hand, world.part("knob"), world.travel("knob")),
-    "TurnOffStove": lambda hand, world: demo_turn.turn_knob_off(hand, world.part("knob"), world.travel("knob")),
+    "TurnOffStove": lambda hand, world: demo_turn.turn_knob_off(hand, world.part("knob")),
     "TurnOnSinkFaucet": lambda hand, world: demo_turn.turn_lever_on(hand, world.part("lever"), world.travel("lever")),
-    "TurnOffSinkFaucet": lambda hand, world: demo_turn.turn_lever_off(hand, world.part("lever"), world.travel("lever")),
+    "TurnOffSinkFaucet": lambda hand, world: demo_turn.turn_lever_off(hand, world.part("lever")),
 }
 
 

@@ -1,4 +1,4 @@
-"""Recordings: let the demonstrator do a task in fresh episodes, in RoboCasa's training kitchens, and keep those that it judges well."""
+"""Recordings: the demonstrator does a task in RoboCasa's training kitchens, and what RoboCasa calls a success is kept."""
 
 from __future__ import annotations
 

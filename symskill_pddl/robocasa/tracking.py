@@ -1,9 +1,10 @@
 """What is seen of a RoboCasa kitchen: the frames of the fixture that a task is about, of its moving part, and of loose things.
 
-Frames are made alike, so that what is learned in one kitchen holds in the next. All stand upright as long as they are shut, x into
-the fixture (as the robot looks at it), y to the left, z up. The origin of a moving part is the middle of what a hand takes it by;
-that of a cabinet is in the middle of its opening, on the lowest shelf; that of a drawer's unit, a stove or a sink is where the part
-is at home. All of it is read from names and shapes of the compiled model and from RoboCasa's fixture, once, when an episode begins.
+Frames are made alike, so that what is learned in one kitchen holds in the next. They stand upright while the part is shut, x into
+the fixture (as the robot looks at it), y to the left, z up; that of a knob on the front of a stove is tilted with the plate, so
+that z points out of it. The origin of a moving part is the middle of what a hand takes it by; that of a cabinet is in the middle
+of its opening, on the lowest shelf; that of a drawer's unit, a stove or a sink is where the part is at home. All of it is read
+from names and shapes of the compiled model and from RoboCasa's fixture, once, when an episode begins.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 
 from symskill_pddl.demonstrator.part import Jointed
 from symskill_pddl.errors import InputError
-from symskill_pddl.geometry import Array, Pose
+from symskill_pddl.geometry import Array, Pose, quat_multiply
 from symskill_pddl.robocasa.view import FLIP, FLIP_TURN, View
 
 Vec3 = tuple[float, float, float]
@@ -113,13 +114,17 @@ class Model:
         return points.min(axis=0), points.max(axis=0)
 
 
+TO_FRONT = np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0])
+"""Turns what lies level on a top into the front: forward becomes up, up becomes out."""
+
+
 def _vec3(values: Array) -> Vec3:
     x, y, z = (float(v) for v in values)
     return x, y, z
 
 
-def moving(m: Model, joint_name: str, name: str, type_: str, grip: str, upright: Pose, T_world_unit: Pose) -> Moving:
-    """A part by its joint; its frame is oriented as `T_world_unit` when shut, its origin in the middle of the geoms named `grip`."""
+def moving(m: Model, joint_name: str, name: str, type_: str, grip: str, q_home: Array) -> Moving:
+    """A part by its joint; its frame is oriented by `q_home` (4,) when shut, its origin amid the geoms named `grip`."""
     j = int(m.model.joint(joint_name).id)
     body = int(m.model.jnt_bodyid[j])
     parent = int(m.model.body_parentid[body])
@@ -127,7 +132,7 @@ def moving(m: Model, joint_name: str, name: str, type_: str, grip: str, upright:
     T_body_home = m.T_world(parent) @ Pose(m.model.body_pos[body].copy(), m.model.body_quat[body].copy())
     moved = m.T_world(body) @ T_body_home.inverse()
     inside = m.subtree(body)
-    T_now = moved @ Pose(T_body_home.p, T_world_unit.q)
+    T_now = moved @ Pose(T_body_home.p, q_home)
     low, high = m.box(m.touchable(inside, grip), T_now)
     T_world_home = moved.inverse() @ T_now @ Pose((low + high) / 2, np.array([1.0, 0.0, 0.0, 0.0]))
     T_body_frame = T_body_home.inverse() @ T_world_home
@@ -162,18 +167,18 @@ def _shelf(fixture: Any) -> Array:
     return np.array([front, -middle, floor])
 
 
-def cabinet(m: Model, env: Any, fixture: Any) -> Fixture:
+def cabinet(m: Model, _env: Any, fixture: Any) -> Fixture:
     """A cabinet with one door; hinged on the right, or else in the mirror."""
     unit, T_unit = _unit(m, fixture, "cabinet", "cabinet", _shelf(fixture))
     (joint,) = fixture.door_joint_names
-    door = moving(m, joint, "door", "door", "handle", T_unit, T_unit)
+    door = moving(m, joint, "door", "door", "handle", T_unit.q)
     return Fixture(unit, door, mirrored=bool(door.pivot[1] > 0.0))
 
 
 def drawer(m: Model, env: Any, fixture: Any) -> Fixture:
     """A drawer; on the robot's right, or else in the mirror."""
     unit, T_unit = _unit(m, fixture, "drawer-unit", "drawer-unit", np.zeros(3))
-    part = moving(m, f"{fixture.name}_slidejoint", "drawer", "drawer", "handle", T_unit, T_unit)
+    part = moving(m, f"{fixture.name}_slidejoint", "drawer", "drawer", "handle", T_unit.q)
     unit = at_home(m, unit, part)
     return Fixture(unit, part, mirrored=getattr(env, "drawer_side", "right") == "left")
 
@@ -181,14 +186,17 @@ def drawer(m: Model, env: Any, fixture: Any) -> Fixture:
 def knob(m: Model, env: Any, fixture: Any) -> Fixture:
     """The knob of a stove that the task names."""
     unit, T_unit = _unit(m, fixture, "stove", "stove", np.zeros(3))
-    part = moving(m, f"{fixture.name}_knob_{env.knob}_joint", "knob", "knob", "knob", T_unit, T_unit)
+    j = m.model.joint(f"{fixture.name}_knob_{env.knob}_joint")
+    on_top = abs(float(j.axis[2])) > 0.5
+    q_home = T_unit.q if on_top else quat_multiply(T_unit.q, TO_FRONT)
+    part = moving(m, f"{fixture.name}_knob_{env.knob}_joint", "knob", "knob", "knob", q_home)
     return Fixture(at_home(m, unit, part), part, mirrored=False)
 
 
-def lever(m: Model, env: Any, fixture: Any) -> Fixture:
+def lever(m: Model, _env: Any, fixture: Any) -> Fixture:
     """The lever of a sink's faucet."""
     unit, T_unit = _unit(m, fixture, "sink", "sink", np.zeros(3))
-    part = moving(m, f"{fixture.name}_handle_joint", "lever", "lever", "handle_main", T_unit, T_unit)
+    part = moving(m, f"{fixture.name}_handle_joint", "lever", "lever", "handle_main", T_unit.q)
     return Fixture(at_home(m, unit, part), part, mirrored=False)
 
 
