@@ -8,9 +8,12 @@ import io
 import logging
 import os
 import sys
+from collections.abc import Iterator
+from copy import deepcopy
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from symskill_pddl.errors import MissingDependencyError
 
@@ -52,6 +55,28 @@ def load_robocasa() -> tuple[ModuleType, ModuleType]:
     finally:
         logging.disable(previous)
         os.environ["MUJOCO_GL"] = wanted
+
+
+@contextlib.contextmanager
+def quick_yaml() -> Iterator[None]:
+    """In this context a YAML file is parsed once: RoboCasa parses that of a style for every fixture, most of a reset's time."""
+    yaml: Any = importlib.import_module("yaml")
+    slow = yaml.safe_load
+
+    def quick(stream: Any) -> Any:
+        return deepcopy(_parsed(stream if isinstance(stream, str) else stream.read()))
+
+    yaml.safe_load = quick
+    try:
+        yield
+    finally:
+        yaml.safe_load = slow
+
+
+@lru_cache
+def _parsed(text: str) -> Any:
+    yaml = importlib.import_module("yaml")
+    return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
 
 
 def load_mujoco() -> ModuleType:

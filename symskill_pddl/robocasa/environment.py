@@ -10,7 +10,7 @@ from numpy.random import Generator
 
 from symskill_pddl.errors import InputError
 from symskill_pddl.panda.arm import ARM_JOINTS, FINGER_FORCE, FINGER_JOINTS
-from symskill_pddl.robocasa.backend import load_mujoco, load_robocasa
+from symskill_pddl.robocasa.backend import load_mujoco, load_robocasa, quick_yaml
 from symskill_pddl.robocasa.tasks import LAYOUTS, STYLES, Split, TaskSpec
 
 ATTEMPTS = 40
@@ -42,7 +42,7 @@ def make(spec: TaskSpec, layout: int, style: int, seed: int) -> Any | None:
         key: getattr(FixtureType, value.split(".")[1]) if isinstance(value, str) and value.startswith("FixtureType.") else value
         for key, value in spec.options.items()
     }
-    with contextlib.redirect_stdout(io.StringIO()):
+    with contextlib.redirect_stdout(io.StringIO()), quick_yaml():
         env = robosuite.make(
             spec.env,
             robots="PandaOmron",
@@ -56,14 +56,24 @@ def make(spec: TaskSpec, layout: int, style: int, seed: int) -> Any | None:
             seed=seed,
             **options,
         )
+        look_up = env._setup_kitchen_references
+
+        def checked() -> None:
+            # RoboCasa looks for the fixture, goes on with None if there is none, and fails much later
+            look_up()
+            if getattr(env, spec.part) is None:
+                raise _NoSuchFixtureError
+
+        env._setup_kitchen_references = checked
         try:
             env.reset()
-        except AttributeError:
-            # RoboCasa looks for the fixture, finds None, and goes on
-            if getattr(env, spec.part, None) is None:
-                return None
-            raise
+        except _NoSuchFixtureError:
+            return None
     return env
+
+
+class _NoSuchFixtureError(Exception):
+    """A kitchen lacks what a task is about."""
 
 
 def tune(model: Any) -> None:

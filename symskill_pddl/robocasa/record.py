@@ -12,7 +12,7 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose
 from symskill_pddl.robocasa.demonstrator import demonstrate
 from symskill_pddl.robocasa.tasks import TASKS
-from symskill_pddl.robocasa.world import open_world
+from symskill_pddl.robocasa.world import RoboCasaWorld, open_world
 from symskill_pddl.scene import Scene
 
 MAX_SEED = 2**31 - 1
@@ -43,6 +43,8 @@ def record(task: str, n: int, seed: int) -> tuple[Demo, ...]:
         if len(demos) == n:
             return tuple(demos)
         world = open_world(TASKS[task], episode, "train")
+        if not _usual(world):
+            continue
         scenes = demonstrate(world, np.random.default_rng([episode, 1]))
         if world.succeeded():
             attributes = {"seed": episode, "layout": int(world.env.layout_id), "style": int(world.env.style_id)}
@@ -50,6 +52,16 @@ def record(task: str, n: int, seed: int) -> tuple[Demo, ...]:
     if len(demos) < n:
         raise InputError(f"task '{task}': of {limit} episodes from seed {seed} on only {len(demos)} succeeded, not {n}")
     return tuple(demos)
+
+
+USUAL_DOOR_M = (0.38, 0.48)
+"""From the hinge to the handle: where people show what to do, doors are as wide as most are."""
+
+
+def _usual(world: RoboCasaWorld) -> bool:
+    """Whether the part is about as large as it is in most kitchens."""
+    door = world.moving.get("door")
+    return door is None or USUAL_DOOR_M[0] < abs(float(door.pivot[1])) < USUAL_DOOR_M[1]
 
 
 def _demo(

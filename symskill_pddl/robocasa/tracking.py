@@ -2,9 +2,9 @@
 
 Frames are made alike, so that what is learned in one kitchen holds in the next. They stand upright while the part is shut, x into
 the fixture (as the robot looks at it), y to the left, z up; that of a knob on the front of a stove is tilted with the plate, so
-that z points out of it. The origin of a moving part is the middle of what a hand takes it by; that of a cabinet is in the middle
-of its opening, on the lowest shelf; that of a drawer's unit, a stove or a sink is where the part is at home. All of it is read
-from names and shapes of the compiled model and from RoboCasa's fixture, once, when an episode begins.
+that z points out of it. The origin of a moving part is the middle of what a hand takes it by, and the frame of the fixture that it
+moves in is where the part's is at home, so that what is shut looks alike in all kitchens. All of it is read from names and shapes
+of the compiled model and from RoboCasa's fixture, once, when an episode begins.
 """
 
 from __future__ import annotations
@@ -169,10 +169,10 @@ def _shelf(fixture: Any) -> Array:
 
 def cabinet(m: Model, _env: Any, fixture: Any) -> Fixture:
     """A cabinet with one door; hinged on the right, or else in the mirror."""
-    unit, T_unit = _unit(m, fixture, "cabinet", "cabinet", _shelf(fixture))
+    unit, T_unit = _unit(m, fixture, "cabinet", "cabinet", np.zeros(3))
     (joint,) = fixture.door_joint_names
     door = moving(m, joint, "door", "door", "handle", T_unit.q)
-    return Fixture(unit, door, mirrored=bool(door.pivot[1] > 0.0))
+    return Fixture(at_home(m, unit, door), door, mirrored=bool(door.pivot[1] > 0.0))
 
 
 def drawer(m: Model, env: Any, fixture: Any) -> Fixture:

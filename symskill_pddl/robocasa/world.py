@@ -11,7 +11,7 @@ from numpy.random import default_rng
 from symskill_pddl.control import ELBOW_UP, ControlConfig, PassiveController
 from symskill_pddl.demonstrator.part import Jointed
 from symskill_pddl.geometry import Array, Pose
-from symskill_pddl.panda.arm import Arm
+from symskill_pddl.panda.arm import OPEN_APERTURE, Arm
 from symskill_pddl.robocasa.backend import load_mujoco
 from symskill_pddl.robocasa.environment import draw, tune
 from symskill_pddl.robocasa.tasks import Split, TaskSpec
@@ -68,8 +68,9 @@ class RoboCasaWorld:
         self._closed, self._start = False, float(data.time)
         self.ms: dict[str, float] = {}
         data.qvel[:] = 0.0
-        # the base is held by its own drives and brakes
+        # the base is held by its own drives and brakes; the hand begins with open fingers, RoboCasa's are half open
         data.ctrl[:] = 0.0
+        self.arm.set_arm(self.arm.arm, OPEN_APERTURE)
         self.arm.forward()
 
     @property
