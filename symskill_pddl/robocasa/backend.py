@@ -16,12 +16,13 @@ from types import ModuleType
 from typing import Any
 
 from symskill_pddl.errors import MissingDependencyError
+from symskill_pddl.robocasa.assets import robocasa_folder
 
 ASSETS = "ROBOCASA_ASSETS_PATH"
 """The variable that RoboCasa reads when it is imported: where its models and textures are."""
 PACK = Path(".robocasa-assets")
 """Where `make robocasa` writes the small asset pack: in the working directory, or beside the environment."""
-HOW = "`make robocasa` builds an environment that has it; run its .venv-robocasa/bin/symskill"
+HOW = "`make robocasa` builds an environment that has it"
 
 
 @lru_cache(maxsize=1)
@@ -35,6 +36,7 @@ def load_robocasa() -> tuple[ModuleType, ModuleType]:
     MissingDependencyError
         One of them is not installed, or they do not fit together.
     """
+    robocasa_folder()
     os.environ.setdefault("MUJOCO_GL", "disabled")
     if ASSETS not in os.environ:
         for pack in (PACK, Path(sys.prefix).parent / PACK):
@@ -49,7 +51,7 @@ def load_robocasa() -> tuple[ModuleType, ModuleType]:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             return importlib.import_module("robosuite"), importlib.import_module("robocasa")
     except ImportError as error:
-        raise MissingDependencyError(f"RoboCasa is not in this environment ({error}): {HOW}") from error
+        raise MissingDependencyError(f"RoboCasa cannot be imported ({error}): {HOW}") from error
     except (AssertionError, TypeError) as error:
         raise MissingDependencyError(f"RoboCasa does not work with the robosuite of this environment ({error}): {HOW}") from error
     finally:

@@ -37,6 +37,7 @@ def open_door(hand: Hand, door: Jointed) -> None:
     take_hold(hand, grasp, [moved(before, [-0.04, 0.0, -0.05]), before, grasp])
     ajar = float(np.radians(rng.uniform(*AJAR_DEG)))
     take_along(hand, door, on_bar, 0.0, ajar)
+    hand.rest(0.4)
     hand.fingers(False)
     hand.go([along(hand.T, -0.07)], careful=True)
     hand.rest(float(rng.uniform(0.6, 0.9)))

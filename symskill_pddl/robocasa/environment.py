@@ -11,7 +11,7 @@ from numpy.random import Generator
 from symskill_pddl.errors import InputError
 from symskill_pddl.panda.arm import ARM_JOINTS, FINGER_FORCE, FINGER_JOINTS
 from symskill_pddl.robocasa.backend import load_mujoco, load_robocasa, quick_yaml
-from symskill_pddl.robocasa.tasks import LAYOUTS, STYLES, Split, TaskSpec
+from symskill_pddl.robocasa.tasks import LAYOUTS, Split, TaskSpec
 
 ATTEMPTS = 40
 """Kitchens that are drawn until one has what the task is about."""
@@ -26,7 +26,7 @@ def draw(spec: TaskSpec, rng: Generator, split: Split) -> Any:
         None was found.
     """
     for _ in range(ATTEMPTS):
-        layout, style = int(rng.choice(LAYOUTS[split])), int(rng.choice(STYLES))
+        layout, style = int(rng.choice(LAYOUTS[split])), int(rng.choice(spec.styles))
         env = make(spec, layout, style, int(rng.integers(2**31)))
         if env is not None:
             return env

@@ -54,14 +54,15 @@ def record(task: str, n: int, seed: int) -> tuple[Demo, ...]:
     return tuple(demos)
 
 
-USUAL_DOOR_M = (0.38, 0.48)
-"""From the hinge to the handle: where people show what to do, doors are as wide as most are."""
+USUAL_DOOR_M, USUAL_DRAWER_M = (0.38, 0.48), 0.6
+"""From the hinge to the handle, and how far to the side a drawer's handle is: people show what to do with parts of usual size."""
 
 
 def _usual(world: RoboCasaWorld) -> bool:
     """Whether the part is about as large as it is in most kitchens."""
-    door = world.moving.get("door")
-    return door is None or USUAL_DOOR_M[0] < abs(float(door.pivot[1])) < USUAL_DOOR_M[1]
+    if "door" in world.moving:
+        return USUAL_DOOR_M[0] < abs(float(world.moving["door"].pivot[1])) < USUAL_DOOR_M[1]
+    return "drawer" not in world.moving or abs(world.part("drawer").T_world_home.p[1]) < USUAL_DRAWER_M
 
 
 def _demo(

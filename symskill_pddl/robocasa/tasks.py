@@ -8,7 +8,10 @@ from typing import Any, Literal
 Split = Literal["target", "train"]
 LAYOUTS: dict[Split, range] = {"target": range(1, 11), "train": range(11, 61)}
 """RoboCasa's own split of its kitchens: episodes are drawn from the first, demonstrations from the second."""
-STYLES = range(1, 61)
+STYLES = tuple(range(1, 61))
+BARS = tuple(style for style in STYLES if style not in (5, 11, 12, 15, 21, 32, 38, 41, 42, 44, 47, 51, 52, 55, 58, 60))
+"""Styles whose handles are bars that a hand goes round. Others have plates, knobs, or bars flat on the panel: the meshes are
+scaled to such boxes, and so is the bar of the small asset pack."""
 
 
 @dataclass(frozen=True)
@@ -24,6 +27,8 @@ class TaskSpec:
         What kind of thing: a key of `tracking.TRACKED`.
     part : str
         The attribute of the environment that is the fixture.
+    styles : tuple of int
+        RoboCasa's styles that its kitchens are drawn from.
     focus : tuple of str
         The objects it is about, by our names.
     options : dict
@@ -37,6 +42,7 @@ class TaskSpec:
     about: str
     part: str
     focus: tuple[str, ...]
+    styles: tuple[int, ...] = STYLES
     options: dict[str, Any] = field(default_factory=dict, hash=False)
     composed: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
@@ -52,10 +58,10 @@ _DOOR, _DRAWER, _KNOB, _LEVER = ("door", "cabinet"), ("drawer", "drawer-unit"), 
 TASKS = {
     spec.name: spec
     for spec in (
-        TaskSpec("OpenSingleDoor", "OpenCabinet", "door", "fxtr", _DOOR, _SINGLE),
-        TaskSpec("CloseSingleDoor", "CloseCabinet", "door", "fxtr", _DOOR, _SINGLE),
-        TaskSpec("OpenDrawer", "OpenDrawer", "drawer", "drawer", _DRAWER),
-        TaskSpec("CloseDrawer", "CloseDrawer", "drawer", "drawer", _DRAWER),
+        TaskSpec("OpenSingleDoor", "OpenCabinet", "door", "fxtr", _DOOR, BARS, _SINGLE),
+        TaskSpec("CloseSingleDoor", "CloseCabinet", "door", "fxtr", _DOOR, BARS, _SINGLE),
+        TaskSpec("OpenDrawer", "OpenDrawer", "drawer", "drawer", _DRAWER, BARS),
+        TaskSpec("CloseDrawer", "CloseDrawer", "drawer", "drawer", _DRAWER, BARS),
         TaskSpec("TurnOnStove", "TurnOnStove", "knob", "stove", _KNOB),
         TaskSpec("TurnOffStove", "TurnOffStove", "knob", "stove", _KNOB),
         TaskSpec("TurnOnSinkFaucet", "TurnOnSinkFaucet", "lever", "sink", _LEVER),

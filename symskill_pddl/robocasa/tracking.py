@@ -1,10 +1,10 @@
 """What is seen of a RoboCasa kitchen: the frames of the fixture that a task is about, of its moving part, and of loose things.
 
 Frames are made alike, so that what is learned in one kitchen holds in the next. They stand upright while the part is shut, x into
-the fixture (as the robot looks at it), y to the left, z up; that of a knob on the front of a stove is tilted with the plate, so
-that z points out of it. The origin of a moving part is the middle of what a hand takes it by, and the frame of the fixture that it
-moves in is where the part's is at home, so that what is shut looks alike in all kitchens. All of it is read from names and shapes
-of the compiled model and from RoboCasa's fixture, once, when an episode begins.
+the fixture (as the robot looks at it), y to the left, z up; that of a knob on the front of a stove is tilted with its plate, so
+that z points out of it. The origin of a moving part is the middle of what a hand takes it by, and the frame of the fixture that
+it moves in is where the part is at home, so that what is shut looks alike in all kitchens. All of it is read from names and
+shapes of the compiled model and from RoboCasa's fixture, once, when an episode begins.
 """
 
 from __future__ import annotations
