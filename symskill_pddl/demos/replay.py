@@ -103,6 +103,13 @@ class Replayed:
 class KinematicModel:
     """A compiled model, its gripper and its objects.
 
+    Attributes
+    ----------
+    mujoco, model, data : Any
+        The module, and its model and data, for who looks for other frames.
+    objects : tuple of TrackedObject
+        In the order of the model.
+
     Raises
     ------
     FormatError
@@ -115,12 +122,12 @@ class KinematicModel:
         except ImportError as error:
             raise MissingDependencyError("importing robosuite recordings needs MuJoCo: pip install mujoco") from error
         stripped, self._shaped = kinematic_xml(xml)
-        self._mujoco: Any = mujoco
+        self.mujoco: Any = mujoco
         try:
-            self._model = mujoco.MjModel.from_xml_string(stripped)
+            self.model = mujoco.MjModel.from_xml_string(stripped)
         except ValueError as error:
             raise FormatError(f"the model does not compile: {' '.join(str(error).split())}") from None
-        self._data = mujoco.MjData(self._model)
+        self.data = mujoco.MjData(self.model)
         self._site, self._fingers, self._robot = self._find_gripper()
         self._R_site_ee = self._finger_frame()
         self.objects = self._find_objects()
@@ -128,7 +135,7 @@ class KinematicModel:
     @property
     def state_size(self) -> int:
         """Numbers in a recorded state: time, joint positions, joint velocities."""
-        return int(1 + self._model.nq + self._model.nv)
+        return int(1 + self.model.nq + self.model.nv)
 
     def replay(self, states: Array) -> Replayed:
         """Frames at the recorded `states` (n, 1 + nq + nv)."""
@@ -136,54 +143,58 @@ class KinematicModel:
         p_ee, R_ee = np.empty((n, 3)), np.empty((n, 3, 3))
         p, q = np.empty((n, m, 3)), np.empty((n, m, 4))
         for i, state in enumerate(states):
-            self._data.qpos[:] = state[1 : 1 + self._model.nq]
-            self._mujoco.mj_kinematics(self._model, self._data)
-            p_ee[i] = self._data.site_xpos[self._site]
-            R_ee[i] = self._data.site_xmat[self._site].reshape(3, 3) @ self._R_site_ee
+            self.pose(state)
+            p_ee[i] = self.data.site_xpos[self._site]
+            R_ee[i] = self.data.site_xmat[self._site].reshape(3, 3) @ self._R_site_ee
             for k, tracked in enumerate(self.objects):
-                q[i, k] = self._data.xquat[tracked.body]  # a top site is not turned against its body
-                p[i, k] = self._data.xpos[tracked.body] if tracked.site < 0 else self._data.site_xpos[tracked.site]
-        travel = np.abs(states[:, [1 + self._model.jnt_qposadr[j] for j in self._fingers]]).sum(axis=1)
+                q[i, k] = self.data.xquat[tracked.body]  # a top site is not turned against its body
+                p[i, k] = self.data.xpos[tracked.body] if tracked.site < 0 else self.data.site_xpos[tracked.site]
+        travel = np.abs(states[:, [1 + self.model.jnt_qposadr[j] for j in self._fingers]]).sum(axis=1)
         return Replayed(Pose(p_ee, Pose.from_matrix(_homogeneous(R_ee)).q), travel, Pose(p, q))
+
+    def pose(self, state: Array) -> None:
+        """Put `data` into a recorded state (1 + nq + nv,): where things are, nothing else."""
+        self.data.qpos[:] = state[1 : 1 + self.model.nq]
+        self.mujoco.mj_kinematics(self.model, self.data)
 
     # -- structure ------------------------------------------------------------------------------------------------------
 
     def _name(self, kind: str, index: int) -> str:
-        return str(getattr(self._model, kind)(index).name)
+        return str(getattr(self.model, kind)(index).name)
 
     def _ancestors(self, body: int) -> list[int]:
         """The body and all above it, without the world."""
         chain = []
         while body != 0:
             chain.append(body)
-            body = int(self._model.body_parentid[body])
+            body = int(self.model.body_parentid[body])
         return chain
 
     def _find_gripper(self) -> tuple[int, list[int], int]:
         """The grip site, its finger joints, and the robot's top body."""
-        sites = [s for s in range(self._model.nsite) if self._name("site", s).endswith("grip_site")]
+        sites = [s for s in range(self.model.nsite) if self._name("site", s).endswith("grip_site")]
         if len(sites) != 1:
             names = ", ".join(self._name("site", s) for s in sites) or "none"
             raise FormatError(
                 f"only recordings of one arm can be imported, the model has {len(sites)} grippers (grip sites: {names})"
             )
-        chain = self._ancestors(int(self._model.site_bodyid[sites[0]]))
-        slide = int(self._mujoco.mjtJoint.mjJNT_SLIDE)
+        chain = self._ancestors(int(self.model.site_bodyid[sites[0]]))
+        slide = int(self.mujoco.mjtJoint.mjJNT_SLIDE)
         for body in chain:
-            joints = [j for j in range(self._model.njnt) if body in self._ancestors(int(self._model.jnt_bodyid[j]))]
+            joints = [j for j in range(self.model.njnt) if body in self._ancestors(int(self.model.jnt_bodyid[j]))]
             if joints:
-                if len(joints) < 2 or any(self._model.jnt_type[j] != slide for j in joints):
+                if len(joints) < 2 or any(self.model.jnt_type[j] != slide for j in joints):
                     break
                 return sites[0], joints, chain[-1]
         raise FormatError("only grippers with two sliding fingers can be imported, this one moves its fingers otherwise")
 
     def _finger_frame(self) -> Array:
         """R_site_ee (3, 3): z is the site's (robosuite: out of the hand); y is where the first finger opens to."""
-        self._mujoco.mj_kinematics(self._model, self._data)
+        self.mujoco.mj_kinematics(self.model, self.data)
         joint = self._fingers[0]
-        sign = 1.0 if self._model.jnt_range[joint].sum() >= 0 else -1.0
-        R_site = self._data.site_xmat[self._site].reshape(3, 3)
-        y = sign * R_site.T @ self._data.xaxis[joint]
+        sign = 1.0 if self.model.jnt_range[joint].sum() >= 0 else -1.0
+        R_site = self.data.site_xmat[self._site].reshape(3, 3)
+        y = sign * R_site.T @ self.data.xaxis[joint]
         z = np.array([0.0, 0.0, 1.0])
         y = y - (y @ z) * z
         y /= np.linalg.norm(y)
@@ -191,11 +202,11 @@ class KinematicModel:
 
     def _find_objects(self) -> tuple[TrackedObject, ...]:
         bodies = []
-        for body in range(1, self._model.nbody):
+        for body in range(1, self.model.nbody):
             chain = self._ancestors(body)
-            moving = [b for b in chain if self._model.body_jntnum[b] > 0]
-            fixture = not moving and self._name("body", body) in self._shaped and self._model.body_mocapid[body] < 0
-            if self._robot not in chain and (self._model.body_jntnum[body] > 0 or fixture):
+            moving = [b for b in chain if self.model.body_jntnum[b] > 0]
+            fixture = not moving and self._name("body", body) in self._shaped and self.model.body_mocapid[body] < 0
+            if self._robot not in chain and (self.model.body_jntnum[body] > 0 or fixture):
                 bodies.append(body)
         full = [self._name("body", b) for b in bodies]
         short = [object_name(name) for name in full]
@@ -203,20 +214,20 @@ class KinematicModel:
         return tuple(self._tracked(body, name) for body, name in zip(bodies, names, strict=True))
 
     def _tracked(self, body: int, name: str) -> TrackedObject:
-        if self._model.body_jntnum[body] > 0:
+        if self.model.body_jntnum[body] > 0:
             return TrackedObject(name, body, -1, self._half_size(body))
         sites = [
-            s for s in range(self._model.nsite) if self._model.site_bodyid[s] == body and self._name("site", s).endswith("_top")
+            s for s in range(self.model.nsite) if self.model.site_bodyid[s] == body and self._name("site", s).endswith("_top")
         ]
         return TrackedObject(name, body, sites[0] if sites else -1, None)
 
     def _half_size(self, body: int) -> tuple[float, float, float] | None:
         """Half sizes of the box about the body's frame that holds its primitive shapes."""
         half = np.zeros(3)
-        for geom in range(self._model.ngeom):
-            if self._model.geom_bodyid[geom] == body:
-                centre, box = self._model.geom_aabb[geom][:3], self._model.geom_aabb[geom][3:]
-                T = Pose(self._model.geom_pos[geom], self._model.geom_quat[geom])
+        for geom in range(self.model.ngeom):
+            if self.model.geom_bodyid[geom] == body:
+                centre, box = self.model.geom_aabb[geom][:3], self.model.geom_aabb[geom][3:]
+                T = Pose(self.model.geom_pos[geom], self.model.geom_quat[geom])
                 corners = centre + box * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
                 half = np.maximum(half, np.abs(T.apply(corners)).max(axis=0))
         a, b, c = (float(h) for h in half)
