@@ -42,19 +42,25 @@ def record(
 
 
 def import_recording(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A robosuite or robomimic HDF5 recording.")],
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="An HDF5 recording of robosuite or RoboCasa, or a LeRobot dataset of RoboCasa.")
+    ],
     output: Annotated[Path, typer.Option("-o", "--output", help="The HDF5 file to write.")],
     types: Annotated[
         list[str] | None, typer.Option("--type", metavar="OBJECT=TYPE", help="Type of an object; may be repeated.")
     ] = None,
 ) -> None:
-    """Turn a robosuite recording into demonstrations."""
+    """Turn a recording of robosuite or RoboCasa into demonstrations."""
     from symskill_pddl.demos import import_robosuite, save_demos
+    from symskill_pddl.robocasa.recordings import import_robocasa, is_robocasa
 
     require_folder(output)
     wanted = pairs(types or [], "--type", "OBJECT=TYPE")
+    kitchens = is_robocasa(file)
+    if kitchens and wanted:
+        raise InputError("--type is for recordings of robosuite; the objects of RoboCasa's kitchens have their types")
     with progress(f"replaying {file}"):
-        demos = import_robosuite(file, types=wanted)
+        demos = import_robocasa(file) if kitchens else import_robosuite(file, types=wanted)
     save_demos(output, demos)
     objects = ", ".join(f"{name} - {kind}" for name, kind in demos[0].objects.items())
     remark(f"{output}: {len(demos)} demonstrations, {sum(d.duration_s for d in demos):.0f} s; objects: {objects}")

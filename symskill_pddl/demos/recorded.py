@@ -6,6 +6,7 @@ Poses of objects are in no such file; they are replayed from the states, by who 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -134,7 +135,7 @@ class _Group:
         if len(actions) != len(states):
             raise self.fail(f"{len(actions)} actions do not match {len(states)} states")
         # on a base that drives, the last numbers are for that
-        gripper = ARM_ACTION if "mobilebase0_base" in xml and actions.shape[1] > ARM_ACTION else -1
+        gripper = ARM_ACTION if re.search(r"name=\"mobile_?base0_", xml) and actions.shape[1] > ARM_ACTION else -1
         kept: dict[str, str | int | float] = {}
         for ours, theirs in (("env_version", "repository_version"), ("recorded_on", "date")):
             if isinstance(value := self.attributes.get(theirs), str):

@@ -137,6 +137,11 @@ class KinematicModel:
         """Numbers in a recorded state: time, joint positions, joint velocities."""
         return int(1 + self.model.nq + self.model.nv)
 
+    @property
+    def grip(self) -> Any:
+        """The gripper's site in the present state, as MuJoCo's view of it: its axes are the model's own."""
+        return self.data.site(self._site)
+
     def replay(self, states: Array) -> Replayed:
         """Frames at the recorded `states` (n, 1 + nq + nv)."""
         n, m = len(states), len(self.objects)
@@ -149,8 +154,11 @@ class KinematicModel:
             for k, tracked in enumerate(self.objects):
                 q[i, k] = self.data.xquat[tracked.body]  # a top site is not turned against its body
                 p[i, k] = self.data.xpos[tracked.body] if tracked.site < 0 else self.data.site_xpos[tracked.site]
-        travel = np.abs(states[:, [1 + self.model.jnt_qposadr[j] for j in self._fingers]]).sum(axis=1)
-        return Replayed(Pose(p_ee, Pose.from_matrix(_homogeneous(R_ee)).q), travel, Pose(p, q))
+        return Replayed(Pose(p_ee, Pose.from_matrix(_homogeneous(R_ee)).q), self.aperture(states), Pose(p, q))
+
+    def aperture(self, states: Array) -> Array:
+        """Opening between the fingers (n,) at recorded states (n, 1 + nq + nv) [m]."""
+        return np.asarray(np.abs(states[:, [1 + self.model.jnt_qposadr[j] for j in self._fingers]]).sum(axis=1))
 
     def pose(self, state: Array) -> None:
         """Put `data` into a recorded state (1 + nq + nv,): where things are, nothing else."""

@@ -19,6 +19,7 @@ from symskill_pddl.demos.recorded import Recorded, read_recording
 from symskill_pddl.demos.replay import KinematicModel
 from symskill_pddl.errors import FormatError, InputError, alternatives
 from symskill_pddl.geometry import Array, Pose
+from symskill_pddl.panda.arm import Q_GRIP_EE
 from symskill_pddl.robocasa.tasks import TASKS, TaskSpec
 from symskill_pddl.robocasa.tracking import FIXTURES, Model
 from symskill_pddl.robocasa.view import View
@@ -80,8 +81,8 @@ def _demo(recorded: Recorded) -> Demo:
     yaw = 2.0 * np.arctan2(base.xquat[3], base.xquat[0])
     view = View(Pose(base.xpos.copy(), np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])), fixture.mirrored)
     tracked = (fixture.moving.tracked, fixture.unit)
-    replayed = model.replay(recorded.states)
-    T_world = _poses(model, recorded.states, [t.body for t in tracked]) @ Pose.stack([t.T_body_frame for t in tracked])
+    T_world_ee, T_world_bodies = _poses(model, recorded.states, [t.body for t in tracked])
+    T_world = T_world_bodies @ Pose.stack([t.T_body_frame for t in tracked])
     attributes: dict[str, str | int | float] = {"imported_from": "robocasa", **recorded.kept}
     for key in ("layout_id", "style_id", "lang"):
         if isinstance(value := recorded.meta.get(key), str | int):
@@ -91,8 +92,8 @@ def _demo(recorded: Recorded) -> Demo:
         source=recorded.source,
         task=spec.name,
         times=recorded.times,
-        T_world_ee=view.pose(replayed.T_world_ee),
-        aperture=replayed.aperture,
+        T_world_ee=view.pose(T_world_ee),
+        aperture=model.aperture(recorded.states),
         gripper_closed=recorded.closed,
         objects={t.name: t.type for t in tracked},
         T_world_objects=view.pose(T_world),
@@ -145,7 +146,7 @@ def _fixture(recorded: Recorded, spec: TaskSpec, model: KinematicModel) -> Recor
         lacking = f"has no joint '...{ending}'" if spec.about == "lever" or knob else "names no knob ('task_refs')"
     if not names:
         raise FormatError(f"task '{spec.name}': the recording {lacking}")
-    fixture = RecordedFixture(names[0], model, joints)
+    fixture = RecordedFixture(names[0], joints)
     if spec.about == "door" and len(fixture.door_joint_names) != 1:
         raise FormatError(f"'{fixture.name}' has {len(fixture.door_joint_names)} doors; task '{spec.name}' is about one")
     return fixture
@@ -154,30 +155,20 @@ def _fixture(recorded: Recorded, spec: TaskSpec, model: KinematicModel) -> Recor
 class RecordedFixture:
     """What `tracking` asks RoboCasa's fixtures for, read from the recorded model."""
 
-    def __init__(self, name: str, model: KinematicModel, joints: list[str]) -> None:
-        self.name, self._model = name, model.model
+    def __init__(self, name: str, joints: list[str]) -> None:
+        self.name = name
         self.door_joint_names = [j for j in joints if j.startswith(f"{name}_") and "door" in j.removeprefix(name)]
 
-    def get_int_sites(self, *, relative: bool) -> dict[str, tuple[Array, ...]]:
-        """Corners of the fixture's interiors in its own frame: the first one, and its neighbours along x, y and z."""
-        assert relative
-        prefix, body = f"{self.name}_reg_", int(self._model.body(f"{self.name}_main").id)
-        regions = {}
-        for g in range(self._model.ngeom):
-            name = str(self._model.geom(g).name)
-            if name.startswith(prefix) and int(self._model.geom_bodyid[g]) == body and name != f"{prefix}main":
-                center, half = self._model.geom_pos[g], self._model.geom_size[g]
-                p0 = center - half
-                regions[name.removeprefix(prefix)] = (p0, *(p0 + 2 * half * axis for axis in np.eye(3)))
-        if not regions:
-            raise FormatError(f"'{self.name}' has no interior ('{prefix}...')")
-        return regions
 
+def _poses(model: KinematicModel, states: Array, bodies: list[int]) -> tuple[Pose, Pose]:
+    """Poses of the gripper (n,) and of bodies (n, m) in the simulator's world.
 
-def _poses(model: KinematicModel, states: Array, bodies: list[int]) -> Pose:
-    """Poses (n, m) of bodies in the simulator's world."""
+    The hand is the same from both sides; which one is which has to be as in a run, so its frame is made of the site as there.
+    """
+    R = np.zeros((len(states), 4, 4))
     p, q = np.empty((len(states), len(bodies), 3)), np.empty((len(states), len(bodies), 4))
     for i, state in enumerate(states):
         model.pose(state)
+        R[i, :3, :3], R[i, :3, 3], R[i, 3, 3] = model.grip.xmat.reshape(3, 3), model.grip.xpos, 1.0
         p[i], q[i] = model.data.xpos[bodies], model.data.xquat[bodies]
-    return Pose(p, q)
+    return Pose.from_matrix(R) @ Pose(np.zeros(3), Q_GRIP_EE), Pose(p, q)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -87,6 +88,17 @@ def test_an_action_without_a_skill_fails_the_check(symskill: Callable[..., Any],
     done = symskill("check", library, domain)
     assert done.status == 1
     assert "error: action 'fly': no skill belongs to it" in done.out
+
+
+def test_recordings_of_robocasa_are_known_by_themselves(symskill: Callable[..., Any], tmp_path: Path) -> None:
+    recording = tmp_path / "door.hdf5"
+    recording.write_bytes(gzip.decompress((ROBOSUITE.parent / "robocasa" / "demo.hdf5.gz").read_bytes()))
+    done = symskill("import", recording, "-o", tmp_path / "demos.hdf5")
+    assert done.status == 0
+    assert "2 demonstrations, 2 s; objects: door - door, cabinet - cabinet" in done.err
+    refused = symskill("import", recording, "--type", "door=gate", "-o", tmp_path / "other.hdf5")
+    assert refused.status == 2
+    assert "--type is for recordings of robosuite" in refused.error
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,7 @@
 """Recordings that robosuite's, RoboCasa's and LeRobot's own writers made (tests/data/robocasa), as demonstrations."""
 
 import gzip
+import json
 import shutil
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,6 +17,11 @@ from symskill_pddl.robocasa.recordings import import_robocasa, is_robocasa
 from symskill_pddl.robocasa.view import View
 
 DATA = Path(__file__).parents[1] / "data" / "robocasa"
+
+
+def has_robocasa() -> bool:
+    spec = find_spec("robocasa")
+    return spec is not None and spec.origin is not None
 
 
 @pytest.fixture
@@ -131,3 +137,39 @@ def test_a_folder_that_is_no_dataset(tmp_path: Path) -> None:
     shutil.rmtree(tmp_path / "d" / "meta")
     with pytest.raises(InputError, match="is a folder"):
         import_robocasa(tmp_path / "d")
+
+
+@pytest.mark.skipif(not has_robocasa(), reason="RoboCasa is not in this environment: `make robocasa-test` runs this")
+@pytest.mark.parametrize("task", ["OpenSingleDoor", "OpenDrawer", "TurnOnStove", "TurnOffSinkFaucet"])
+def test_a_recording_of_a_run_says_what_the_run_said(task: str, tmp_path: Path) -> None:
+    from symskill_pddl.robocasa.tasks import TASKS
+    from symskill_pddl.robocasa.world import open_world
+
+    world = open_world(TASKS[task], 3)
+    joint = next(iter(world.moving.values())).joint
+    model, data = world.arm.model, world.arm.data
+    low, high = model.jnt_range[joint]
+    states, scenes = [], []
+    for part in (0.0, 0.3, 0.7):
+        data.qpos[model.jnt_qposadr[joint]] = part * (low if abs(low) > abs(high) else high)
+        data.qpos[model.joint("robot0_joint1").qposadr] += 0.1
+        world.arm.forward()
+        states.append(world.env.sim.get_state().flatten())
+        states[-1][0] = 0.05 * len(states)
+        scenes.append(world.observe())
+    with h5py.File(tmp_path / "run.hdf5", "w") as file:
+        data_group = file.create_group("data")
+        data_group.attrs["env_args"] = json.dumps({"env_name": type(world.env).__name__, "env_kwargs": {"control_freq": 20}})
+        demo = data_group.create_group("demo_1")
+        demo.attrs["model_file"] = world.env.model.get_xml()
+        demo.attrs["ep_meta"] = json.dumps(world.env.get_ep_meta())
+        demo["states"], demo["actions"] = np.array(states), np.zeros((3, 12))
+    (imported,) = import_robocasa(tmp_path / "run.hdf5")
+    assert imported.task == task
+    assert imported.objects == dict(scenes[0].objects)
+    for i, scene in enumerate(scenes):
+        np.testing.assert_allclose(imported.T_world_objects.p[i], scene.T_world_objects.p, atol=1e-6)
+        np.testing.assert_allclose(np.abs(np.sum(imported.T_world_objects.q[i] * scene.T_world_objects.q, axis=1)), 1, atol=1e-9)
+        np.testing.assert_allclose(imported.T_world_ee.p[i], scene.T_world_ee.p, atol=1e-6)
+        assert abs(np.dot(imported.T_world_ee.q[i], scene.T_world_ee.q)) > 1 - 1e-9
+        assert imported.aperture[i] == pytest.approx(scene.aperture, abs=1e-6)
