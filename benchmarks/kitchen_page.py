@@ -6,6 +6,7 @@ import textwrap
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from kitchen_suites import ATOMIC, FEWER, FIGURES, SHOWN, Entry, Figure
 
@@ -44,6 +45,9 @@ def page(
             lines += _fewer(here, measured) if figure == FEWER else _section(figure, here)
             lines += [f"Not finished: {e.name}." for e in unfinished if e.figure == figure]
     lines += ["", "## Failures", "", *_failures(measured)]
+    seen = SEEN / f"kitchen-{seed}.md"
+    if seen.is_file():
+        lines += ["", "### What they were, looked at", "", seen.read_text(encoding="utf-8").rstrip()]
     if missing:
         lines += ["", "## Not measured", "", *(f"- {text}" for text in missing)]
     lines += ["", "## Commands", "", "Each evaluation by itself, on the libraries that the benchmark leaves in its folder:", ""]
@@ -51,6 +55,8 @@ def page(
     return "\n".join(lines) + "\n"
 
 
+SEEN = Path(__file__).parent / "data" / "failures"
+"""What people who looked at the failures of a run with a seed wrote of them."""
 HEAD = (
     "| task | successes | rate | interval | time | new plans | recoveries | troubles | failures |",
     "|---|---|---|---|---|---|---|---|---|",
@@ -79,7 +85,8 @@ def _section(figure: Figure, here: Sequence[Measured]) -> list[str]:
         one, two = _together(m.results.tasks), _together(other.tasks)
         means = f"{one.mean_replans:.1f}, {two.mean_replans:.1f} | {one.touched_s:.1f}, {two.touched_s:.1f}"
         what = _named(_what(m.entry), mechanism)
-        lines.append(f"| {what} | {rates} | {d.difference:+.2f} | {interval} | {d.p_value:.2g} | {means} |")
+        p = f"{d.p_value:.2g}" if d.p_value > 1e-5 else "< 0.00001"
+        lines.append(f"| {what} | {rates} | {d.difference:+.2f} | {interval} | {p} | {means} |")
     if differences and figure == ATOMIC:
         lines += ["", "Without the monitor, by task:", "", *HEAD]
         lines += [_row(t, t.task, "no monitor") for _, _, other in differences for t in other.tasks]
