@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from symskill_pddl.demonstrator.carry import carry, pick, put_down, retreat
 from symskill_pddl.demonstrator.hand import Hand
-from symskill_pddl.demonstrator.human import approach_twice, vary
+from symskill_pddl.demonstrator.human import vary
 from symskill_pddl.demonstrator.poses import along, facing, moved, offset
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.kitchen import layout
@@ -35,24 +36,24 @@ def to_counter(hand: Hand, food: str) -> None:
     rng = hand.rng
     cabinet = hand.scene.pose("cabinet")
     grasp = _grasp(hand, food)
-    grasp = _pick(hand, food, [_before(cabinet, grasp, 0.08)], grasp)
+    grasp = pick(hand, food, FOODS[food].half[1], [_before(cabinet, grasp, 0.08)], grasp)
     up = moved(grasp, [0.0, 0.0, rng.uniform(0.035, 0.055)])
     spot = (*(np.array(ON_COUNTER[0]) + rng.uniform(-1.0, 1.0, 2) * ON_COUNTER[1]), COUNTER_TOP)
-    place = _place(hand, grasp, spot, cabinet.p[2] + CABINET_FLOOR)
-    _carry(hand, [up, vary(_before(cabinet, up, 0.02), rng, 0.012), moved(place, [0.0, 0.0, 0.08])], place)
-    _retreat(hand, [along(place, -float(rng.uniform(0.09, 0.12)))])
+    place = put_down(hand, grasp, spot, cabinet.p[2] + CABINET_FLOOR)
+    carry(hand, [up, vary(_before(cabinet, up, 0.02), rng, 0.012), moved(place, [0.0, 0.0, 0.08])], place)
+    retreat(hand, [along(place, -float(rng.uniform(0.09, 0.12)))])
 
 
 def to_cabinet(hand: Hand, food: str) -> None:
     """From the counter into the cabinet."""
     rng = hand.rng
     cabinet = hand.scene.pose("cabinet")
-    grasp = _pick(hand, food, [], _grasp(hand, food))
+    grasp = pick(hand, food, FOODS[food].half[1], [], _grasp(hand, food))
     up = moved(grasp, [0.0, 0.0, rng.uniform(0.05, 0.08)])
     spot = cabinet.apply((*(np.array(IN_CABINET[0]) + rng.uniform(-1.0, 1.0, 2) * IN_CABINET[1]), CABINET_FLOOR))
-    place = _place(hand, grasp, spot, COUNTER_TOP)
-    _carry(hand, [up, vary(_before(cabinet, place, 0.07), rng, 0.012), moved(place, [-0.02, 0.0, 0.05])], place)
-    _retreat(hand, [along(place, -float(rng.uniform(0.045, 0.06))), vary(_before(cabinet, place, 0.06), rng, 0.012)])
+    place = put_down(hand, grasp, spot, COUNTER_TOP)
+    carry(hand, [up, vary(_before(cabinet, place, 0.07), rng, 0.012), moved(place, [-0.02, 0.0, 0.05])], place)
+    retreat(hand, [along(place, -float(rng.uniform(0.045, 0.06))), vary(_before(cabinet, place, 0.06), rng, 0.012)])
 
 
 def to_plate(hand: Hand, food: str) -> None:
@@ -71,14 +72,14 @@ def to_pan(hand: Hand, food: str, pan: str = "pan") -> None:
 def _into_dish(hand: Hand, food: str, start: str | None, dish: str) -> None:
     """Straight up out of another dish, or from the counter, over the dish's rim, and straight down into it."""
     rng = hand.rng
-    grasp = _pick(hand, food, [], _grasp(hand, food))
+    grasp = pick(hand, food, FOODS[food].half[1], [], _grasp(hand, food))
     up = moved(grasp, [0.0, 0.0, rng.uniform(0.07, 0.10)])
     spot, spread = IN_DISH[layout.DINNER.loose[dish].type]
     # the other dish as it stands after the food was lifted from it
     support = _floor(hand, start)[2] if start else COUNTER_TOP
-    place = _place(hand, grasp, _floor(hand, dish, np.array(spot) + rng.uniform(-spread, spread, 2)), support)
-    _carry(hand, [up, moved(place, [0.0, 0.0, rng.uniform(0.08, 0.10)])], place)
-    _retreat(hand, [along(place, -float(rng.uniform(0.09, 0.12)))])
+    place = put_down(hand, grasp, _floor(hand, dish, np.array(spot) + rng.uniform(-spread, spread, 2)), support)
+    carry(hand, [up, moved(place, [0.0, 0.0, rng.uniform(0.08, 0.10)])], place)
+    retreat(hand, [along(place, -float(rng.uniform(0.09, 0.12)))])
 
 
 def _floor(hand: Hand, dish: str, at: ArrayLike = (0.0, 0.0)) -> Array:
@@ -104,48 +105,3 @@ def _before(cabinet: Pose, T_world_ee: Pose, up_m: float) -> Pose:
     T = cabinet.inverse() @ T_world_ee
     back = FRONT - 0.07 - T.p[0]
     return cabinet @ offset([back, 0.0, up_m]) @ T
-
-
-def _place(hand: Hand, grasp: Pose, spot: ArrayLike, support_was: float) -> Pose:
-    """The hand that puts the food down on `spot` (3,) of a support: as high above it as the hand was above the last one."""
-    approach = grasp.rotate([0.0, 0.0, 1.0])
-    yaw, pitch = float(np.arctan2(approach[1], approach[0])), float(-np.arcsin(approach[2]))
-    height = grasp.p[2] - support_was + 0.002
-    return Pose(np.asarray(spot) + np.array([0.0, 0.0, height]), facing(yaw * float(hand.rng.uniform(0.0, 0.5)), pitch))
-
-
-def _pick(hand: Hand, food: str, via: list[Pose], grasp: Pose) -> Pose:
-    """Through `via` and along the approach direction onto the food, and close; the pose at which it was grasped at last."""
-    rng, faults = hand.rng, hand.faults
-    way = [*(vary(T, rng, 0.015) for T in via), along(grasp, -float(rng.uniform(0.09, 0.11))), grasp]
-    if faults.nudge:
-        # one finger knocks against the food: half the opening, less the food's half width, and a little more
-        aside = 0.5 * hand.scene.aperture - FOODS[food].half[1] + float(rng.uniform(0.004, 0.007))
-        way[-1] = along(grasp, -0.005)
-        hand.go(way, pause=faults.pause)
-        hand.go([grasp @ offset([0.0, float(rng.choice([-1.0, 1.0])) * aside, -0.005])], careful=True)
-        grasp = Pose(hand.scene.pose(food).p, grasp.q)
-        way = [grasp]
-    elif faults.second_approach:
-        way = list(approach_twice(way, rng))
-    if faults.poor_grasp:
-        hand.go([*way[:-1], along(grasp, -float(rng.uniform(0.006, 0.012)))], pause=faults.pause)
-        hand.fingers(True)
-        hand.fingers(False)
-        way = [along(grasp, -0.03), grasp]
-    hand.go(way, pause=faults.pause and not faults.nudge, careful=faults.nudge or faults.poor_grasp)
-    hand.fingers(True)
-    return grasp
-
-
-def _carry(hand: Hand, via: list[Pose], place: Pose) -> None:
-    hand.go(via)
-    hand.go([place], careful=True)
-    hand.rest(0.2)
-    hand.fingers(False)
-
-
-def _retreat(hand: Hand, via: list[Pose]) -> None:
-    """Off the food and back; slow until the fingers are clear."""
-    hand.go(via[:1], careful=True)
-    hand.leave(via[1:])

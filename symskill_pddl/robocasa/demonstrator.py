@@ -9,13 +9,17 @@ import numpy as np
 from symskill_pddl.demonstrator.hand import Hand
 from symskill_pddl.demonstrator.human import Faults, Person
 from symskill_pddl.errors import InputError, alternatives
-from symskill_pddl.robocasa import demo_door, demo_drawer, demo_turn
+from symskill_pddl.robocasa import demo_door, demo_drawer, demo_food, demo_turn
 from symskill_pddl.robocasa.world import RoboCasaWorld
 from symskill_pddl.scene import Scene
 
 WAYS: dict[str, Callable[[Hand, RoboCasaWorld], object]] = {
     "OpenSingleDoor": lambda hand, world: demo_door.open_door(hand, world.part("door")),
     "CloseSingleDoor": lambda hand, world: demo_door.close_door(hand, world.part("door")),
+    "PnPCabToCounter": demo_food.to_counter,
+    "PnPCounterToCab": demo_food.to_cabinet,
+    "PnPStoveToCounter": demo_food.to_plate,
+    "PnPCounterToStove": demo_food.to_pan,
     "OpenDrawer": lambda hand, world: demo_drawer.open_drawer(hand, world.part("drawer"), world.travel("drawer")),
     "CloseDrawer": lambda hand, world: demo_drawer.close_drawer(hand, world.part("drawer")),
     "TurnOnStove": lambda hand, world: demo_turn.turn_knob_on(hand, world.part("knob"), world.travel("knob")),

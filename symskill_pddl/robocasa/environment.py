@@ -6,6 +6,7 @@ import contextlib
 import io
 from typing import Any
 
+import numpy as np
 from numpy.random import Generator
 
 from symskill_pddl.errors import InputError
@@ -15,6 +16,8 @@ from symskill_pddl.robocasa.tasks import LAYOUTS, Split, TaskSpec
 
 ATTEMPTS = 40
 """Kitchens that are drawn until one has what the task is about."""
+REACH_M = 0.72
+"""How far a thing may be from the arm's axis. RoboCasa's robot may drive, and some things are where it has to; ours stands."""
 
 
 def draw(spec: TaskSpec, rng: Generator, split: Split) -> Any:
@@ -34,7 +37,7 @@ def draw(spec: TaskSpec, rng: Generator, split: Split) -> Any:
 
 
 def make(spec: TaskSpec, layout: int, style: int, seed: int) -> Any | None:
-    """The environment of a task in one kitchen, reset, or None if the kitchen has no such fixture."""
+    """The environment of a task in one kitchen, reset, or None if the kitchen has no such fixture, or things are out of reach."""
     robosuite, _ = load_robocasa()
     from robocasa.models.fixtures import FixtureType
 
@@ -61,7 +64,8 @@ def make(spec: TaskSpec, layout: int, style: int, seed: int) -> Any | None:
         def checked() -> None:
             # RoboCasa looks for the fixture, goes on with None if there is none, and fails much later
             look_up()
-            if getattr(env, spec.part) is None:
+            part = getattr(env, spec.part)
+            if part is None or (spec.part == "cab" and not part.door_joint_names):
                 raise _NoSuchFixtureError
 
         env._setup_kitchen_references = checked
@@ -69,7 +73,13 @@ def make(spec: TaskSpec, layout: int, style: int, seed: int) -> Any | None:
             env.reset()
         except _NoSuchFixtureError:
             return None
-    return env
+    return env if all(_within_reach(env, name) for name in spec.carried) else None
+
+
+def _within_reach(env: Any, name: str) -> bool:
+    """Whether a thing can be had without driving there."""
+    data = env.sim.data
+    return bool(np.linalg.norm(data.body_xpos[env.obj_body_id[name]][:2] - data.get_body_xpos("robot0_link0")[:2]) < REACH_M)
 
 
 class _NoSuchFixtureError(Exception):

@@ -105,10 +105,11 @@ def _demo(recorded: Recorded) -> Demo:
 def _task(recorded: Recorded) -> TaskSpec:
     """The task: 365 has names of its own for RoboCasa's tasks, 0.2 those of the paper."""
     env = str(recorded.env["env_name"])
-    for spec in TASKS.values():
+    specs = [spec for spec in TASKS.values() if spec.about in FIXTURES]
+    for spec in specs:
         if env in (spec.name, spec.env):
             return spec
-    known = alternatives({spec.env for spec in TASKS.values()} | set(TASKS))
+    known = alternatives({name for spec in specs for name in (spec.env, spec.name)})
     raise InputError(f"{recorded.where}: it is of '{env}'; tasks that can be imported: {known}")
 
 

@@ -24,7 +24,7 @@ class TaskSpec:
     env : str
         RoboCasa's environment.
     about : str
-        What kind of thing: a key of `tracking.TRACKED`.
+        What kind of thing: a key of `tracking.FIXTURES` or `things.THINGS`.
     part : str
         The attribute of the environment that is the fixture.
     styles : tuple of int
@@ -33,6 +33,8 @@ class TaskSpec:
         The objects it is about, by our names.
     options : dict
         Arguments of the environment; texts that begin with 'FixtureType.' stand for RoboCasa's constants.
+    carried : tuple of str
+        RoboCasa's names of what is carried and of the dish it goes to: things that have to be within the arm's reach.
     composed : tuple
         The demonstrated tasks that make up its goal, if it is none itself.
     """
@@ -44,6 +46,7 @@ class TaskSpec:
     focus: tuple[str, ...]
     styles: tuple[int, ...] = STYLES
     options: dict[str, Any] = field(default_factory=dict, hash=False)
+    carried: tuple[str, ...] = ()
     composed: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     @property
@@ -54,12 +57,19 @@ class TaskSpec:
 
 _SINGLE = {"fixture_id": "FixtureType.CABINET_SINGLE_DOOR"}
 _DOOR, _DRAWER, _KNOB, _LEVER = ("door", "cabinet"), ("drawer", "drawer-unit"), ("knob", "stove"), ("lever", "sink")
+_FOOD = {"obj_groups": "food"}
+_OUT, _IN = ("food", "cabinet", "counter"), ("food", "counter", "cabinet")
+_SERVED, _COOKED, _DISHES = ("food", "pan", "plate"), ("food", "plate", "pan"), ("obj", "container")
 
 TASKS = {
     spec.name: spec
     for spec in (
         TaskSpec("OpenSingleDoor", "OpenCabinet", "door", "fxtr", _DOOR, BARS, _SINGLE),
         TaskSpec("CloseSingleDoor", "CloseCabinet", "door", "fxtr", _DOOR, BARS, _SINGLE),
+        TaskSpec("PnPCabToCounter", "PickPlaceCabinetToCounter", "stored food", "cab", _OUT, BARS, _FOOD, carried=("obj",)),
+        TaskSpec("PnPCounterToCab", "PickPlaceCounterToCabinet", "stored food", "cab", _IN, BARS, _FOOD, carried=("obj",)),
+        TaskSpec("PnPStoveToCounter", "PickPlaceStoveToCounter", "cooked food", "stove", _SERVED, carried=_DISHES),
+        TaskSpec("PnPCounterToStove", "PickPlaceCounterToStove", "cooked food", "stove", _COOKED, carried=_DISHES),
         TaskSpec("OpenDrawer", "OpenDrawer", "drawer", "drawer", _DRAWER, BARS),
         TaskSpec("CloseDrawer", "CloseDrawer", "drawer", "drawer", _DRAWER, BARS),
         TaskSpec("TurnOnStove", "TurnOnStove", "knob", "stove", _KNOB),

@@ -92,7 +92,14 @@ class Model:
         ]
 
     def T_world(self, body: int) -> Pose:
+        """Pose of a body."""
         return Pose(self.data.xpos[body].copy(), self.data.xquat[body].copy())
+
+    def T_world_robot(self) -> Pose:
+        """Where the robot stands: upright, as what the arm's own leaning adds is nothing that a view should have."""
+        base = self.data.body("robot0_link0")
+        yaw = 2.0 * np.arctan2(base.xquat[3], base.xquat[0])
+        return Pose(base.xpos.copy(), np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)]))
 
     def box(self, geoms: Iterable[int], T_world_frame: Pose) -> tuple[Array, Array]:
         """Lower and upper corner (3,) of the box about geoms along the axes of a frame, in the frame [m].
@@ -159,18 +166,15 @@ def _unit(m: Model, fixture: Any, name: str, type_: str, origin: Array) -> tuple
     return Tracked(name, type_, body, T_body_unit), m.T_world(body) @ T_body_unit
 
 
-def _shelf(fixture: Any) -> Array:
-    """Middle of a cabinet's opening on its lowest shelf, x inwards, in the fixture's upright frame."""
-    regions = fixture.get_int_sites(relative=True)
-    p0, px, _, _ = (np.asarray(p, float) for p in regions[min(regions)])
-    middle, front, floor = (p0[0] + px[0]) / 2, p0[1], p0[2]
-    return np.array([front, -middle, floor])
-
-
 def cabinet(m: Model, _env: Any, fixture: Any) -> Fixture:
     """A cabinet with one door; hinged on the right, or else in the mirror."""
-    unit, T_unit = _unit(m, fixture, "cabinet", "cabinet", np.zeros(3))
     (joint,) = fixture.door_joint_names
+    return behind(m, fixture, joint)
+
+
+def behind(m: Model, fixture: Any, joint: str) -> Fixture:
+    """The cabinet behind the door with this joint: all of it, or half of one with two doors."""
+    unit, T_unit = _unit(m, fixture, "cabinet", "cabinet", np.zeros(3))
     door = moving(m, joint, "door", "door", "handle", T_unit.q)
     return Fixture(at_home(m, unit, door), door, mirrored=bool(door.pivot[1] > 0.0))
 

@@ -15,8 +15,9 @@ from symskill_pddl.panda.arm import OPEN_APERTURE, Arm
 from symskill_pddl.robocasa.backend import load_mujoco
 from symskill_pddl.robocasa.environment import draw, tune
 from symskill_pddl.robocasa.tasks import Split, TaskSpec
-from symskill_pddl.robocasa.tracking import FIXTURES, Model
-from symskill_pddl.robocasa.view import View
+from symskill_pddl.robocasa.things import look
+from symskill_pddl.robocasa.tracking import Model
+from symskill_pddl.robocasa.view import FLIP, View
 from symskill_pddl.scene import Command, Scene
 
 PERIOD_S = 0.05
@@ -50,16 +51,12 @@ class RoboCasaWorld:
         mujoco, model, data = load_mujoco(), env.sim.model._model, env.sim.data._data
         tune(model)
         found = Model(mujoco, model, data)
-        fixture = FIXTURES[spec.about](found, env, getattr(env, spec.part))
-        base = data.body("robot0_link0")
-        # upright: what the arm's own leaning adds is nothing that a view should have
-        yaw = 2.0 * np.arctan2(base.xquat[3], base.xquat[0])
-        T_world_robot = Pose(base.xpos.copy(), np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)]))
-        self.view = View(T_world_robot, fixture.mirrored)
-        posture = MIRRORED_POSTURE if fixture.mirrored else ELBOW_UP
+        seen = look(spec.about, found, env, getattr(env, spec.part))
+        self.view = View(found.T_world_robot(), seen.mirrored)
+        posture = MIRRORED_POSTURE if seen.mirrored else ELBOW_UP
         self.arm = Arm(mujoco, model, data, PassiveController(ControlConfig(posture=posture)))
-        self.moving = {fixture.moving.tracked.name: fixture.moving}
-        self.tracked = (fixture.moving.tracked, fixture.unit)
+        self.moving = {part.tracked.name: part for part in seen.moving}
+        self.tracked, self._room = seen.tracked, seen.room
         self._types = {t.name: t.type for t in self.tracked}
         self._bodies = np.array([t.body for t in self.tracked])
         self._T_body_frame = Pose.stack([t.T_body_frame for t in self.tracked])
@@ -86,6 +83,10 @@ class RoboCasaWorld:
     def part(self, name: str) -> Jointed:
         """A part that turns or slides, as it is seen."""
         return self.moving[name].seen(self.view)
+
+    def room(self, name: str) -> Array:
+        """Where something can be put down in or on an object: a point in its frame (3,)."""
+        return np.array(self._room[name]) * (FLIP if self.view.mirrored else 1.0)
 
     def travel(self, name: str) -> float:
         """How far a part can be opened [rad] or [m]."""

@@ -1,0 +1,165 @@
+"""What is seen of a kitchen where something is carried: food, dishes, and what they stand on and in.
+
+A frame is about what a hand does with a thing. That of food is in its middle, y across a side that fits between the fingers, x
+as nearly away from the robot as its shape allows when the episode begins. Dishes are round: their frames look straight away from
+the robot. A counter is long: its frame is on its top, where what is free of it is nearest to the robot. A cabinet is what is
+behind one of its doors, as in the tasks about doors; of one with two, the half that the food is nearest to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from symskill_pddl.errors import InputError
+from symskill_pddl.geometry import Array, Pose
+from symskill_pddl.robocasa.tracking import FIXTURES, Fixture, Model, Moving, Tracked, Vec3, behind
+
+FITS_M = 0.066
+"""What the open fingers go round with room to spare."""
+INSET_M, DEPTH_M = 0.15, 0.22
+"""How far from the ends of a free stretch of counter, and behind its front edge, there is room to put something down."""
+SHELF_DEPTH_M = 0.08
+"""How far behind a cabinet's front there is."""
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What is seen in an episode.
+
+    Attributes
+    ----------
+    tracked : tuple of Tracked
+        The objects, the most important first.
+    moving : tuple of Moving
+        Those of them that turn or slide.
+    mirrored : bool
+        Whether it is the mirror image of what the demonstrations show.
+    room : dict of str to (float, float, float)
+        Where something can be put down in or on an object: the middle of that place in its frame, not mirrored.
+    """
+
+    tracked: tuple[Tracked, ...]
+    moving: tuple[Moving, ...]
+    mirrored: bool
+    room: dict[str, Vec3] = field(default_factory=dict)
+
+
+def look(about: str, m: Model, env: Any, fixture: Any) -> Seen:
+    """What is seen in an episode about this kind of thing, with RoboCasa's fixture."""
+    if about in THINGS:
+        return THINGS[about](m, env, fixture)
+    found = FIXTURES[about](m, env, fixture)
+    return Seen((found.moving.tracked, found.unit), (found.moving,), found.mirrored)
+
+
+def stored(m: Model, env: Any, fixture: Any) -> Seen:
+    """A food, the cabinet it is in or belongs in, whose door is open, and the counter below."""
+    food = _food(m, env, "obj", "food")
+    p = _world(m, food).p
+    halves = [behind(m, fixture, joint) for joint in fixture.door_joint_names]
+    if not halves:
+        raise InputError(f"cabinet '{fixture.name}' has no door")
+    half = min(halves, key=lambda found: abs(_middle(found) - float(_world(m, found.unit).inverse().apply(p)[1])))
+    front, floor = _shelf(fixture, _world(m, half.unit))
+    room = {"cabinet": (front + SHELF_DEPTH_M, _middle(half), floor), "counter": (0.0, 0.0, 0.0)}
+    tracked = (food, half.unit, half.moving.tracked, _counter(m, env, fixture))
+    return Seen(tracked, (half.moving,), half.mirrored, room)
+
+
+def cooked(m: Model, env: Any, _fixture: Any) -> Seen:
+    """A food, the pan and the other dish; that is on the robot's right, or else in the mirror."""
+    dishes = {cfg["info"]["cat"]: cfg["name"] for cfg in env.object_cfgs if cfg["name"] in ("container", "obj_container")}
+    if "pan" not in dishes or len(dishes) != 2:
+        raise InputError(f"task '{type(env).__name__}' needs a pan and another dish, this episode has: {sorted(dishes)}")
+    pan = dishes.pop("pan")
+    (other,) = dishes.values()
+    tracked = (_food(m, env, "obj", "food"), _dish(m, env, pan, "pan", "cookware"), _dish(m, env, other, "plate", "container"))
+    plate = m.T_world_robot().inverse().apply(_world(m, tracked[2]).p)
+    return Seen(tracked, (), bool(plate[1] > 0.0), {t.name: _floor(m, t) for t in tracked[1:]})
+
+
+THINGS: dict[str, Callable[[Model, Any, Any], Seen]] = {"stored food": stored, "cooked food": cooked}
+
+
+def _world(m: Model, tracked: Tracked) -> Pose:
+    return m.T_world(tracked.body) @ tracked.T_body_frame
+
+
+def _heading(vector: Array) -> Pose:
+    """A turn about the vertical, x along the level part of a vector."""
+    yaw = np.arctan2(vector[1], vector[0])
+    return Pose(np.zeros(3), np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)]))
+
+
+def _half(low: Array, high: Array) -> Vec3:
+    x, y, z = ((high - low) / 2).tolist()
+    return x, y, z
+
+
+def _food(m: Model, env: Any, thing: str, name: str) -> Tracked:
+    """Anything one holds; see above for its frame."""
+    body = int(env.obj_body_id[thing])
+    T_world_body = m.T_world(body)
+    geoms = m.touchable(m.subtree(body))
+    away = T_world_body.p - m.T_world_robot().p
+    round_ = len(geoms) == 1 and m.model.geom_type[geoms[0]] in (m.mj.mjtGeom.mjGEOM_CYLINDER, m.mj.mjtGeom.mjGEOM_SPHERE)
+    upright = Pose(T_world_body.p, _heading(away if round_ else T_world_body.rotate([1.0, 0.0, 0.0])).q)
+    sides = [upright @ Pose.from_rotvec(np.zeros(3), [0.0, 0.0, turn]) for turn in np.arange(4) * np.pi / 2]
+    across = [float(np.diff(np.stack(m.box(geoms, T)), axis=0)[0, 1]) for T in sides]
+    limit = max(FITS_M, min(across) + 1e-3)
+    fitting = [T for T, width in zip(sides, across, strict=True) if width <= limit]
+    T = max(fitting, key=lambda T: float(np.dot(T.rotate([1.0, 0.0, 0.0]), away)))
+    low, high = m.box(geoms, T)
+    T = T @ Pose((low + high) / 2, np.array([1.0, 0.0, 0.0, 0.0]))
+    return Tracked(name, "food", body, T_world_body.inverse() @ T, _half(low, high))
+
+
+def _dish(m: Model, env: Any, thing: str, name: str, type_: str) -> Tracked:
+    """A round dish; its frame is where RoboCasa's is, in the middle of its bottom."""
+    body = int(env.obj_body_id[thing])
+    T_world_body = m.T_world(body)
+    T = Pose(T_world_body.p, _heading(T_world_body.p - m.T_world_robot().p).q)
+    return Tracked(name, type_, body, T_world_body.inverse() @ T)
+
+
+def _floor(m: Model, dish: Tracked) -> Vec3:
+    """Upper side of a dish's floor, in its frame: of what is touched in its middle, the lowest."""
+    T = Pose(_world(m, dish).p, np.array([1.0, 0.0, 0.0, 0.0]))
+    boxes = [m.box([g], T) for g in m.touchable(m.subtree(dish.body))]
+    tops = [float(high[2]) for low, high in boxes if np.all(low[:2] < 0.0) and np.all(high[:2] > 0.0)]
+    if not tops:
+        raise InputError(f"dish '{dish.name}' has no floor")
+    return (0.0, 0.0, min(tops))
+
+
+def _middle(half: Fixture) -> float:
+    """Middle of what is behind a door, y in the cabinet's frame: the handle is near the free edge."""
+    return float(half.moving.pivot[1]) * 0.5
+
+
+def _shelf(fixture: Any, T_unit: Pose) -> tuple[float, float]:
+    """Plane of a cabinet's opening and top of its lowest shelf: x and z in the cabinet's frame."""
+    regions = fixture.get_int_sites(relative=False)
+    p0 = T_unit.inverse().apply(np.asarray(regions[min(regions)][0], float))
+    return float(p0[0]), float(p0[2])
+
+
+def _counter(m: Model, env: Any, ref: Any) -> Tracked:
+    """The counter where it is free and nearest to the robot, as RoboCasa looks for room next to a fixture."""
+    counter = env.counter
+    body = int(m.model.body(f"{counter.name}_main").id)
+    T_world_counter = m.T_world(body)
+    robot = m.T_world_robot().p
+    x = T_world_counter.inverse().apply(robot)[0]
+    spots = []
+    for region in counter.get_reset_regions(env, ref=ref).values():
+        (middle, depth, top), (wide, deep) = region["offset"], region["size"]
+        room = max(wide / 2 - INSET_M, 0.0)
+        spots.append([np.clip(x, middle - room, middle + room), depth - deep / 2 + min(DEPTH_M, deep / 2), top])
+    p = min((T_world_counter.apply(np.array(spot)) for spot in spots), key=lambda p: float(np.linalg.norm(p - robot)))
+    T = Pose(p, _heading(p - robot).q)
+    return Tracked("counter", "counter", body, T_world_counter.inverse() @ T)
