@@ -69,10 +69,10 @@ def _hinge(name: str, axis: Vec3, low: float, high: float, damping: float, frict
 
 
 def solid(name: str, size: Vec3, rgba: str) -> str:
-    """A plain box for what only stands there: width, depth, height [m]."""
+    """A plain box for what only stands there: width, depth, height [m]. It weighs 100 g, should it be loose."""
     half = (size[0] / 2, size[1] / 2, size[2] / 2)
     middle = (0.0, 0.0, 0.0)
-    return _model(name, _box("body", middle, half, rgba) + _region("main", middle, half) + _region("bbox", middle, half))
+    return _model(name, _box("body", middle, half, rgba, 0.1) + _region("main", middle, half) + _region("bbox", middle, half))
 
 
 def microwave() -> str:

@@ -27,19 +27,22 @@ MARKER = "symskill-assets.txt"
 """A file in the root that says whose it is; only a folder with it, or an empty one, is written to."""
 
 SOLIDS: Mapping[str, Vec3] = {
-    "blender": (0.2, 0.2, 0.4), "blender_lid": (0.12, 0.12, 0.03), "candle": (0.07, 0.07, 0.16), "cinnamon": (0.05, 0.05, 0.13),
+    "blender": (0.2, 0.2, 0.4), "blender_lid": (0.12, 0.12, 0.03), "candle": (0.05, 0.05, 0.115), "cinnamon": (0.05, 0.05, 0.13),
     "digital_scale": (0.15, 0.2, 0.03), "dish_rack": (0.4, 0.3, 0.18),
     "dishwasher": (0.65, 0.6, 0.89), "electric_kettle": (0.2, 0.16, 0.24), "flower_vase": (0.15, 0.15, 0.4),
     "fridge_bottom_freezer": (0.78, 0.8, 1.75), "fridge_french_door": (0.85, 0.8, 1.78), "fridge_side_by_side": (0.85, 0.8, 1.75),
-    "fruit_bowl": (0.28, 0.28, 0.12), "glass_cup": (0.09, 0.09, 0.12), "hood": (0.76, 0.6, 0.3), "jar": (0.1, 0.1, 0.14),
-    "jar_lid": (0.1, 0.1, 0.02), "knife_block": (0.12, 0.18, 0.24), "oil_bottle": (0.07, 0.07, 0.21), "oven": (0.75, 0.6, 0.68),
+    "fruit_bowl": (0.28, 0.28, 0.12), "glass_cup": (0.05, 0.05, 0.067), "hood": (0.76, 0.6, 0.3), "jar": (0.05, 0.05, 0.07),
+    "jar_lid": (0.1, 0.1, 0.02), "knife_block": (0.12, 0.18, 0.24), "oil_bottle": (0.05, 0.05, 0.15), "oven": (0.75, 0.6, 0.68),
     "paper_towel": (0.15, 0.15, 0.33), "paprika": (0.05, 0.05, 0.12), "pepper_shaker": (0.045, 0.045, 0.1),
-    "plant": (0.16, 0.16, 0.24), "salt_shaker": (0.045, 0.045, 0.1), "soap_dispenser": (0.07, 0.07, 0.2),
+    "plant": (0.16, 0.16, 0.24), "salt_shaker": (0.045, 0.045, 0.1), "soap_dispenser": (0.05, 0.05, 0.143),
     "stand_mixer": (0.2, 0.33, 0.33), "stool": (0.4, 0.4, 1.0), "tiered_basket": (0.3, 0.25, 0.3), "toaster": (0.28, 0.17, 0.19),
     "turmeric": (0.05, 0.05, 0.15), "utensil_rack": (0.3, 0.05, 0.32), "utensil_set": (0.14, 0.14, 0.35),
-    "vinegar_bottle": (0.07, 0.07, 0.21), "wall_accessory": (0.08, 0.01, 0.12), "window": (1.0, 0.05, 1.0),
+    "vinegar_bottle": (0.05, 0.05, 0.15), "wall_accessory": (0.08, 0.01, 0.12), "window": (1.0, 0.05, 1.0),
 }  # fmt: skip
-"""Width, depth and height of what only stands there, by RoboCasa's type of fixture [m]."""
+"""Width, depth and height of what only stands there, by RoboCasa's type of fixture [m]; styles scale it to their own size.
+
+Jars, bottles, shakers and the like lie in folders that RoboCasa samples things to hold from, too: a hand can hold them as stored.
+"""
 
 WORKING = {
     "sink": models.sink, "stove": models.stove, "stove_wide": models.stove, "stovetop": models.stovetop,

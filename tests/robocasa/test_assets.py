@@ -186,6 +186,19 @@ def test_dishes_are_thick_whatever_they_are_scaled_by(scale: float) -> None:
     np.testing.assert_allclose(high, [radius, radius, height], atol=1e-4)
 
 
+LARGEST_SCALE = 1.2
+"""RoboCasa's, of the categories whose folders accessories lie in."""
+
+
+@pytest.mark.parametrize(
+    "name", ["candle", "cinnamon", "glass_cup", "jar", "oil_bottle", "paprika", "salt_shaker", "soap_dispenser"]
+)
+def test_accessories_that_are_sampled_as_objects_can_be_held_too(name: str) -> None:
+    model, _ = built(models.solid(name, SOLIDS[name], models.STEEL))
+    assert 0.02 < LARGEST_SCALE * SOLIDS[name][0] <= 0.06
+    assert 0.05 <= model.body_mass.sum() <= 0.2
+
+
 def test_what_is_held_is_narrow_enough_and_weighs_50_to_200_g(package: Path, tmp_path: Path) -> None:
     write_pack(tmp_path / "pack", package)
     for name, scale in (("apple", (0.9, 0.9, 0.9)), ("bar", (0.75, 0.75, 1.2))):
