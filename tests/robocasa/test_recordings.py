@@ -140,18 +140,31 @@ def test_a_folder_that_is_no_dataset(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not has_robocasa(), reason="RoboCasa is not in this environment: `make robocasa-test` runs this")
-@pytest.mark.parametrize("task", ["OpenSingleDoor", "OpenDrawer", "TurnOnStove", "TurnOffSinkFaucet"])
+@pytest.mark.parametrize(
+    "task",
+    [
+        "OpenSingleDoor",
+        "OpenDrawer",
+        "TurnOnStove",
+        "TurnOffSinkFaucet",
+        "PnPCabToCounter",
+        "PnPCounterToCab",
+        "PnPStoveToCounter",
+    ],
+)
 def test_a_recording_of_a_run_says_what_the_run_said(task: str, tmp_path: Path) -> None:
     from symskill_pddl.robocasa.tasks import TASKS
     from symskill_pddl.robocasa.world import open_world
 
     world = open_world(TASKS[task], 3)
-    joint = next(iter(world.moving.values())).joint
     model, data = world.arm.model, world.arm.data
-    low, high = model.jnt_range[joint]
     states, scenes = [], []
-    for part in (0.0, 0.3, 0.7):
-        data.qpos[model.jnt_qposadr[joint]] = part * (low if abs(low) > abs(high) else high)
+    for part in (None, 0.3, 0.7):
+        for joint in (moving.joint for moving in world.moving.values() if part is not None):
+            low, high = model.jnt_range[joint]
+            data.qpos[model.jnt_qposadr[joint]] = part * (low if abs(low) > abs(high) else high)
+        if part is not None and "obj" in world.env.objects:
+            data.qpos[model.joint(world.env.objects["obj"].joints[0]).qposadr[0] + 2] += 0.1
         data.qpos[model.joint("robot0_joint1").qposadr] += 0.1
         world.arm.forward()
         states.append(world.env.sim.get_state().flatten())
