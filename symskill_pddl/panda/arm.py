@@ -36,6 +36,11 @@ def tune(mujoco: ModuleType, model: Any) -> None:
     model.opt.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     model.opt.impratio = 5.0
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    tune_drives(model)
+
+
+def tune_drives(model: Any) -> None:
+    """Give the arm and the fingers the forces of the real ones."""
     for name in ARM_JOINTS:
         actuator = model.actuator(name.replace("robot0_joint", "robot0_torq_j")).id
         limit = 87.0 if int(name[-1]) < 5 else 12.0

@@ -15,8 +15,10 @@ from symskill_pddl.demonstrator.part import Jointed, take_along, take_hold
 from symskill_pddl.demonstrator.poses import along, facing, moved
 from symskill_pddl.geometry import Pose
 
-BAR_Y, BAR_Z = -0.014, -0.06
-"""Where on the bar: a little towards the hinge, where a neighbour's front leaves room for a finger, and below its middle [m]."""
+BAR_Y, BAR_Z = -0.014, -0.005
+"""Where on the bar: a little towards the hinge, where a neighbour's front leaves room for a finger [m]."""
+FACE_Z = -0.09
+"""Where on a face the door is pushed, from the middle of its handle [m]."""
 BAR_PITCH = np.radians(12.0)
 AJAR_DEG, WIDE_DEG = (47.0, 51.0), (86.0, 89.0)
 INSIDE_YAW, INSIDE_PITCH, INSIDE_ROLL = np.radians(-60.0), np.radians(35.0), -np.pi / 2
@@ -41,7 +43,7 @@ def open_door(hand: Hand, door: Jointed) -> None:
     hand.fingers(False)
     hand.go([along(hand.T, -0.07)], careful=True)
     hand.rest(float(rng.uniform(0.6, 0.9)))
-    wide, height = float(np.radians(rng.uniform(*WIDE_DEG))), BAR_Z + float(rng.uniform(-0.04, -0.02))
+    wide, height = float(np.radians(rng.uniform(*WIDE_DEG))), FACE_Z + float(rng.uniform(-0.01, 0.01))
     inner = door.pivot[0] + 0.015
 
     def inside(angle: float, inset: float, gap: float) -> Pose:
@@ -62,15 +64,15 @@ def close_door(hand: Hand, door: Jointed) -> None:
     """Below the door to its outer side, and push it shut with closed fingers."""
     rng = hand.rng
     start = door.position(hand.scene.pose(door.name))
-    from_hinge, height = BEHIND_M + float(rng.uniform(-0.015, 0.015)), BAR_Z + float(rng.uniform(-0.04, -0.02))
+    from_hinge, height = BEHIND_M + float(rng.uniform(-0.015, 0.015)), FACE_Z + float(rng.uniform(-0.01, 0.01))
     outer = door.pivot[0] - 0.015
 
     def behind(angle: float, gap: float = 0.0) -> Pose:
         return door.hand(angle, (outer - gap, door.pivot[1] + from_hinge, height), 0.85 * angle, 0.0)
 
     hand.closed = True
-    below = Pose(np.array([0.22, -0.10, 0.42]), facing(-0.4, 0.9))
-    aside = Pose(behind(start, 0.10).p * (1.0, 1.0, 0.0) + np.array([-0.02, -0.06, 0.50]), facing(0.3, 0.5))
+    below = Pose(np.array([0.28, -0.12, 0.36]), facing(-0.4, 0.8))
+    aside = Pose(behind(start, 0.10).p * (1.0, 1.0, 0.0) + np.array([0.0, -0.06, 0.40]), facing(0.0, 0.45))
     hand.go([vary(below, rng, 0.01), vary(aside, rng, 0.01), behind(start, 0.07), behind(start, 0.01)])
     hand.rest(float(rng.uniform(0.3, 0.6)))
     take_along(hand, door, lambda angle: behind(angle, -0.015), start, 0.0)

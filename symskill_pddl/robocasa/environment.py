@@ -10,10 +10,13 @@ import numpy as np
 from numpy.random import Generator
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.panda.arm import ARM_JOINTS, FINGER_FORCE, FINGER_JOINTS
+from symskill_pddl.panda.arm import tune_drives
 from symskill_pddl.robocasa.backend import load_mujoco, load_robocasa, quick_yaml
 from symskill_pddl.robocasa.tasks import LAYOUTS, Split, TaskSpec
 
+FINGERS = ("gripper0_right_finger1_", "gripper0_right_finger2_")
+STIFF = (0.004, 1.0)
+"""Time constant [s] and damping ratio of what the fingers touch: twice the time of a step is the stiffest that MuJoCo can do."""
 ATTEMPTS = 40
 """Kitchens that are drawn until one has what the task is about."""
 REACH_M = 0.72
@@ -90,19 +93,15 @@ def tune(model: Any) -> None:
     """Change what stands in the way of grasps that hold and of episodes in reasonable time; nothing that a judge looks at.
 
     The hand gets the drives that the real one has, which robosuite halves, and targets behind the closed position, without which
-    a thin bar is hardly held. Fixtures no longer touch each other: what is shut in a cabinet lies in its joint's stop, and a
-    hundred contacts between doors and frames are two thirds of the time of a step.
+    a thin bar is hardly held. Its fingers are stiff: with MuJoCo's usual softness they sink into a bar until they meet. Fixtures
+    no longer touch each other: what is shut lies in its joint's stop, and a hundred contacts between doors and frames are two
+    thirds of the time of a step.
     """
     mujoco = load_mujoco()
-    for name in ARM_JOINTS:
-        actuator = model.actuator(name.replace("robot0_joint", "robot0_torq_j")).id
-        limit = 87.0 if int(name[-1]) < 5 else 12.0
-        model.actuator_ctrlrange[actuator] = (-limit, limit)
-    for i, name in enumerate(FINGER_JOINTS):
-        actuator = model.actuator(f"gripper0_right_gripper_finger_joint{i + 1}").id
-        model.actuator_ctrlrange[actuator] = (-0.02, 0.04) if i == 0 else (-0.04, 0.02)
-        model.actuator_forcerange[actuator] = (-FINGER_FORCE, FINGER_FORCE)
-        model.dof_damping[model.joint(name).dofadr[0]] = 60.0
+    tune_drives(model)
+    for g in range(model.ngeom):
+        if model.geom(g).name.startswith(FINGERS):
+            model.geom_solref[g], model.geom_priority[g] = STIFF, 1
     free = mujoco.mjtJoint.mjJNT_FREE
     loose_roots = {int(b) for b, kind in zip(model.jnt_bodyid, model.jnt_type, strict=True) if kind == free}
     for g in range(model.ngeom):

@@ -140,7 +140,7 @@ def moving(m: Model, joint_name: str, name: str, type_: str, grip: str, q_home: 
     moved = m.T_world(body) @ T_body_home.inverse()
     inside = m.subtree(body)
     T_now = moved @ Pose(T_body_home.p, q_home)
-    low, high = m.box(m.touchable(inside, grip), T_now)
+    low, high = m.box(m.touchable(inside, grip) or m.touchable(inside, grip.split("_")[0]), T_now)
     T_world_home = moved.inverse() @ T_now @ Pose((low + high) / 2, np.array([1.0, 0.0, 0.0, 0.0]))
     T_body_frame = T_body_home.inverse() @ T_world_home
     low_q, high_q = m.model.jnt_range[j]
@@ -175,14 +175,14 @@ def cabinet(m: Model, _env: Any, fixture: Any) -> Fixture:
 def behind(m: Model, fixture: Any, joint: str) -> Fixture:
     """The cabinet behind the door with this joint: all of it, or half of one with two doors."""
     unit, T_unit = _unit(m, fixture, "cabinet", "cabinet", np.zeros(3))
-    door = moving(m, joint, "door", "door", "handle", T_unit.q)
+    door = moving(m, joint, "door", "door", "handle_handle", T_unit.q)
     return Fixture(at_home(m, unit, door), door, mirrored=bool(door.pivot[1] > 0.0))
 
 
 def drawer(m: Model, env: Any, fixture: Any) -> Fixture:
     """A drawer; on the robot's right, or else in the mirror."""
     unit, T_unit = _unit(m, fixture, "drawer-unit", "drawer-unit", np.zeros(3))
-    part = moving(m, f"{fixture.name}_slidejoint", "drawer", "drawer", "handle", T_unit.q)
+    part = moving(m, f"{fixture.name}_slidejoint", "drawer", "drawer", "handle_handle", T_unit.q)
     unit = at_home(m, unit, part)
     return Fixture(unit, part, mirrored=getattr(env, "drawer_side", "right") == "left")
 
