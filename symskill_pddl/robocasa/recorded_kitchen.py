@@ -48,7 +48,8 @@ class RecordedEnv:
     def obj_body_id(self) -> dict[str, int]:
         """Bodies of the loose things, by RoboCasa's names for them."""
         bodies = {str(self._m.model.body(b).name): b for b in range(self._m.model.nbody)}
-        return {str(c["name"]): bodies[f"{c['name']}_main"] for c in self.object_cfgs if f"{c.get('name')}_main" in bodies}
+        named = [str(c.get("name")) for c in self.object_cfgs]
+        return _Bodies({name: bodies[f"{name}_main"] for name in named if f"{name}_main" in bodies})
 
     @property
     def counter(self) -> RecordedFixture:
@@ -91,6 +92,13 @@ class RecordedEnv:
             names,
             f"names no fixture with a {'drawer' if about == 'drawer' else 'door'} ('fixture_refs': {alternatives(references)})",
         )
+
+
+class _Bodies(dict[str, int]):
+    """Bodies by name; one that is missing is an error of the file."""
+
+    def __missing__(self, name: str) -> int:
+        raise FormatError(f"names no thing '{name}' that the model has ('object_cfgs': {alternatives(self)})")
 
 
 class RecordedFixture:

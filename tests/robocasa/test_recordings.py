@@ -132,6 +132,51 @@ def test_other_parts_are_found_in_the_same_kitchen(hdf5: Path, env: str, part: s
     np.testing.assert_allclose(demo.T_world_objects.p[:, 0], demo.T_world_objects.p[:1, 0].repeat(20, axis=0), atol=1e-3)
 
 
+STORED = {
+    "fixture_refs": {"cab": "cab_1_main_group", "counter": "counter_main_main_group"},
+    "object_cfgs": [{"name": "obj", "info": {"cat": "tomato"}}],
+}
+
+
+def rename(file: Path, old: str, new: str) -> None:
+    with h5py.File(file, "a") as f:
+        for demo in f["data"].values():
+            demo.attrs["model_file"] = demo.attrs["model_file"].replace(old, new)
+
+
+def test_what_is_carried_and_where_it_can_go_are_found_by_their_names(hdf5: Path) -> None:
+    # what lies in the cabinet of the recording is what such a task would be about
+    rename(hdf5, '"door_obj_', '"obj_')
+    set_attribute(hdf5, "env_args", '{"env_name": "PickPlaceCabinetToCounter"}')
+    set_attribute(hdf5, "ep_meta", json.dumps(STORED))
+    demo = import_robocasa(hdf5)[0]
+    assert demo.task == "PnPCabToCounter"
+    assert list(demo.objects) == ["food", "cabinet", "door", "counter"]
+    base = posed(np.load(DATA / "truth.npz")["base_0"])[0]
+    food, _, _, counter = (demo.T_world_objects.p[0, i] + [0, 0, base.p[2]] for i in range(4))
+    # a counter's top is 92 cm high; the cabinet's shelf is above it, and food on that
+    assert counter[2] == pytest.approx(0.92, abs=1e-6)
+    assert 1.38 < food[2] < 1.5
+    assert set(demo.extents) == {"food"}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"object_cfgs": []}, "names no thing 'obj' that the model has .'object_cfgs': none"),
+        ({"fixture_refs": {"cab": "cab_1_main_group"}}, "names no counter .'fixture_refs': cab"),
+        ({"fixture_refs": {"cab": "cab_1_main_group", "counter": "table"}}, "the model has no fixture 'table'"),
+        ({"fixture_refs": {"cab": "cab_1_main_group", "counter": "sink_main_group"}}, "has no top to put something on"),
+    ],
+)
+def test_what_a_task_of_carrying_lacks_is_named(hdf5: Path, change: dict[str, object], message: str) -> None:
+    rename(hdf5, '"door_obj_', '"obj_')
+    set_attribute(hdf5, "env_args", '{"env_name": "PickPlaceCounterToCabinet"}')
+    set_attribute(hdf5, "ep_meta", json.dumps(STORED | change))
+    with pytest.raises(FormatError, match=message):
+        import_robocasa(hdf5)
+
+
 def test_a_folder_that_is_no_dataset(tmp_path: Path) -> None:
     shutil.copytree(DATA / "lerobot", tmp_path / "d")
     shutil.rmtree(tmp_path / "d" / "meta")
