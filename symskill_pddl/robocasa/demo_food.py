@@ -1,7 +1,8 @@
 """How people take something from one place to another (cabinet, counter, pan, plate): across a narrow side, at one pitch.
 
-The pitch stays, because what is turned between the fingers tumbles when it is put down. It is one at which the arm reaches the
-counter and the lowest shelf of a wall cabinet from where RoboCasa puts the robot, and one at which the hand clears a pan's rim.
+The pitch stays, because what is turned between the fingers tumbles when it is put down. It is one at which the hand clears a
+pan's rim and the arm reaches all of the counter from where RoboCasa puts the robot; out of a cabinet it is flatter, where the arm
+is nearly stretched above the lowest shelf.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from symskill_pddl.demonstrator.poses import along, facing, moved, offset
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.robocasa.world import RoboCasaWorld
 
-PITCH_DEG = (48.0, 52.0)
-SPREAD = {"counter": (0.03, 0.04), "cabinet": (0.015, 0.03), "pan": (0.01, 0.01), "plate": (0.01, 0.01)}
+PITCH_DEG, FLAT_PITCH_DEG = (48.0, 52.0), (43.0, 45.0)
+SPREAD = {"counter": (0.02, 0.04), "cabinet": (0.015, 0.03), "pan": (0.01, 0.01), "plate": (0.01, 0.01)}
 """How far from the middle of a place people put something down, to either side [m]."""
 FINGERTIP_M = 0.016
 """How high above what it stands on a hand takes something at least: the fingers end below the middle of their pads."""
@@ -26,7 +27,7 @@ AWAY_M = 0.30
 
 def to_counter(hand: Hand, world: RoboCasaWorld) -> None:
     """Out of the cabinet, onto the counter."""
-    grasp, standing = _grasp(hand, world)
+    grasp, standing = _grasp(hand, world, FLAT_PITCH_DEG)
     grasp = pick(hand, "food", _half(world)[1], [_before(hand, world, grasp, 0.05)], grasp)
     up = moved(grasp, [0.0, 0.0, hand.rng.uniform(0.03, 0.045)])
     place = _place(hand, world, "counter", grasp, standing)
@@ -68,13 +69,13 @@ def _half(world: RoboCasaWorld) -> tuple[float, float, float]:
     return world.extents["food"]
 
 
-def _grasp(hand: Hand, world: RoboCasaWorld) -> tuple[Pose, float]:
+def _grasp(hand: Hand, world: RoboCasaWorld, pitch_deg: tuple[float, float] = PITCH_DEG) -> tuple[Pose, float]:
     """A hand about the middle of the food, its fingers across the narrow side; and how high what it stands on is."""
     T = hand.scene.pose("food")
     standing = float(T.p[2]) - _half(world)[2]
     p = T.p + hand.rng.uniform([-0.003, -0.002, -0.002], [0.003, 0.002, 0.003])
     p[2] = max(p[2], standing + FINGERTIP_M)
-    return Pose(p, facing(_heading(T), float(np.radians(hand.rng.uniform(*PITCH_DEG))))), standing
+    return Pose(p, facing(_heading(T), float(np.radians(hand.rng.uniform(*pitch_deg))))), standing
 
 
 def _heading(T: Pose) -> float:

@@ -11,6 +11,7 @@ from numpy.random import Generator
 
 from symskill_pddl.errors import InputError
 from symskill_pddl.panda.arm import tune_drives
+from symskill_pddl.robocasa import store_cheese
 from symskill_pddl.robocasa.backend import load_mujoco, load_robocasa, quick_yaml
 from symskill_pddl.robocasa.tasks import LAYOUTS, Split, TaskSpec
 
@@ -21,6 +22,8 @@ ATTEMPTS = 40
 """Kitchens that are drawn until one has what the task is about."""
 REACH_M = 0.72
 """How far a thing may be from the arm's axis. RoboCasa's robot may drive, and some things are where it has to; ours stands."""
+LOW_M = 0.07
+"""How high a thing may be that is carried: the fingers are 4.5 cm long."""
 
 
 def draw(spec: TaskSpec, rng: Generator, split: Split) -> Any:
@@ -44,6 +47,7 @@ def make(spec: TaskSpec, layout: int, style: int, seed: int) -> Any | None:
     robosuite, _ = load_robocasa()
     from robocasa.models.fixtures import FixtureType
 
+    store_cheese.register()
     options = {
         key: getattr(FixtureType, value.split(".")[1]) if isinstance(value, str) and value.startswith("FixtureType.") else value
         for key, value in spec.options.items()
@@ -76,7 +80,12 @@ def make(spec: TaskSpec, layout: int, style: int, seed: int) -> Any | None:
             env.reset()
         except _NoSuchFixtureError:
             return None
-    return env if all(_within_reach(env, name) for name in spec.carried) else None
+    return env if all(_within_reach(env, name) for name in spec.carried) and all(_low(env, n) for n in spec.carried[:1]) else None
+
+
+def _low(env: Any, name: str) -> bool:
+    """Whether the palm has room above a thing when the fingers are about its middle."""
+    return bool(np.ptp(env.objects[name].get_bbox_points(), axis=0)[2] < LOW_M)
 
 
 def _within_reach(env: Any, name: str) -> bool:

@@ -76,5 +76,15 @@ TASKS = {
         TaskSpec("TurnOffStove", "TurnOffStove", "knob", "stove", _KNOB),
         TaskSpec("TurnOnSinkFaucet", "TurnOnSinkFaucet", "lever", "sink", _LEVER),
         TaskSpec("TurnOffSinkFaucet", "TurnOffSinkFaucet", "lever", "sink", _LEVER),
+        TaskSpec(
+            "StoreCheese",
+            "StoreCheese",
+            "stored cheese",
+            "cab",
+            ("cheese", "cabinet", "counter", "door"),
+            BARS,
+            carried=("obj",),
+            composed=(("PnPCabToCounter", ("cheese", "cabinet", "counter")), ("CloseSingleDoor", ("door", "cabinet"))),
+        ),
     )
 }

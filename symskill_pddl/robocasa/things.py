@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,9 +19,9 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.robocasa.tracking import FIXTURES, Fixture, Model, Moving, Tracked, Vec3, behind
 
-FITS_M = 0.066
+FITS_M = 0.054
 """What the open fingers go round with room to spare."""
-INSET_M, DEPTH_M = 0.15, 0.22
+INSET_M, DEPTH_M = 0.15, 0.27
 """How far from the ends of a free stretch of counter, and behind its front edge, there is room to put something down."""
 SHELF_DEPTH_M = 0.08
 """How far behind a cabinet's front there is."""
@@ -56,9 +57,9 @@ def look(about: str, m: Model, env: Any, fixture: Any) -> Seen:
     return Seen((found.moving.tracked, found.unit), (found.moving,), found.mirrored)
 
 
-def stored(m: Model, env: Any, fixture: Any) -> Seen:
-    """A food, the cabinet it is in or belongs in, whose door is open, and the counter below."""
-    food = _food(m, env, "obj", "food")
+def stored(m: Model, env: Any, fixture: Any, name: str = "food") -> Seen:
+    """A food, the cabinet it is in or belongs in, its door, and the counter below."""
+    food = _food(m, env, "obj", name)
     p = _world(m, food).p
     halves = [behind(m, fixture, joint) for joint in fixture.door_joint_names]
     if not halves:
@@ -82,7 +83,11 @@ def cooked(m: Model, env: Any, _fixture: Any) -> Seen:
     return Seen(tracked, (), bool(plate[1] > 0.0), {t.name: _floor(m, t) for t in tracked[1:]})
 
 
-THINGS: dict[str, Callable[[Model, Any, Any], Seen]] = {"stored food": stored, "cooked food": cooked}
+THINGS: dict[str, Callable[[Model, Any, Any], Seen]] = {
+    "stored food": stored,
+    "stored cheese": partial(stored, name="cheese"),
+    "cooked food": cooked,
+}
 
 
 def _world(m: Model, tracked: Tracked) -> Pose:
