@@ -20,7 +20,7 @@ STIFF = (0.004, 1.0)
 """Time constant [s] and damping ratio of what the fingers touch: twice the time of a step is the stiffest that MuJoCo can do."""
 ATTEMPTS = 40
 """Kitchens that are drawn until one has what the task is about."""
-REACH_M = 0.72
+REACH_M = (0.37, 0.72)
 """How far a thing may be from the arm's axis. RoboCasa's robot may drive, and some things are where it has to; ours stands."""
 LOW_M = 0.07
 """How high a thing may be that is carried: the fingers are 4.5 cm long."""
@@ -91,7 +91,8 @@ def _low(env: Any, name: str) -> bool:
 def _within_reach(env: Any, name: str) -> bool:
     """Whether a thing can be had without driving there."""
     data = env.sim.data
-    return bool(np.linalg.norm(data.body_xpos[env.obj_body_id[name]][:2] - data.get_body_xpos("robot0_link0")[:2]) < REACH_M)
+    away = np.linalg.norm(data.body_xpos[env.obj_body_id[name]][:2] - data.get_body_xpos("robot0_link0")[:2])
+    return bool(REACH_M[0] < away < REACH_M[1])
 
 
 class _NoSuchFixtureError(Exception):

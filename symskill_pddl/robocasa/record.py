@@ -60,7 +60,7 @@ USUAL_DOOR_M, USUAL_DRAWER_M = (0.38, 0.48), 0.6
 
 def _usual(world: RoboCasaWorld) -> bool:
     """Whether the part is about as large as it is in most kitchens."""
-    if world.spec.about == "door":
+    if "door" in world.moving:
         return USUAL_DOOR_M[0] < abs(float(world.moving["door"].pivot[1])) < USUAL_DOOR_M[1]
     return "drawer" not in world.moving or abs(world.part("drawer").T_world_home.p[1]) < USUAL_DRAWER_M
 

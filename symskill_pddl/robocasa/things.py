@@ -21,8 +21,9 @@ from symskill_pddl.robocasa.tracking import FIXTURES, Fixture, Model, Moving, Tr
 
 FITS_M = 0.054
 """What the open fingers go round with room to spare."""
-INSET_M, DEPTH_M = 0.15, 0.27
-"""How far from the ends of a free stretch of counter, and behind its front edge, there is room to put something down."""
+INSET_M, EDGE_M, EASY_M = 0.15, 0.12, 0.46
+"""How far from the ends of a free stretch of counter, and from its edges, there is room to put something down; and how far from
+its axis the arm does so easily: nearer, its elbow is folded."""
 SHELF_DEPTH_M = 0.08
 """How far behind a cabinet's front there is."""
 
@@ -159,12 +160,14 @@ def _counter(m: Model, env: Any, ref: Any) -> Tracked:
     body = int(m.model.body(f"{counter.name}_main").id)
     T_world_counter = m.T_world(body)
     robot = m.T_world_robot().p
-    x = T_world_counter.inverse().apply(robot)[0]
+    x, y, _ = T_world_counter.inverse().apply(robot)
     spots = []
     for region in counter.get_reset_regions(env, ref=ref).values():
         (middle, depth, top), (wide, deep) = region["offset"], region["size"]
-        room = max(wide / 2 - INSET_M, 0.0)
-        spots.append([np.clip(x, middle - room, middle + room), depth - deep / 2 + min(DEPTH_M, deep / 2), top])
+        room, inside = max(wide / 2 - INSET_M, 0.0), max(deep / 2 - EDGE_M, 0.0)
+        beside = np.clip(x, middle - room, middle + room)
+        ahead = np.sqrt(max(EASY_M**2 - (beside - x) ** 2, 0.0))
+        spots.append([beside, np.clip(y + ahead, depth - inside, depth + inside), top])
     p = min((T_world_counter.apply(np.array(spot)) for spot in spots), key=lambda p: float(np.linalg.norm(p - robot)))
     T = Pose(p, _heading(p - robot).q)
     return Tracked("counter", "counter", body, T_world_counter.inverse() @ T)
