@@ -1,7 +1,7 @@
 """How people open and close the door of a wall cabinet that hangs close in front of them, above their shoulder.
 
 Opening takes two contacts: the bar is grasped and pulled until the door is ajar, then the inner face is pushed, so that the
-hand ends on the robot's side. Closing takes one: the hand goes below the door to its outer side and pushes it shut with closed
+hand ends on the robot's side. Closing takes one: the hand goes below the door to its outer side and pushes it shut with both
 fingers.
 """
 
@@ -61,7 +61,7 @@ def open_door(hand: Hand, door: Jointed) -> None:
 
 
 def close_door(hand: Hand, door: Jointed) -> None:
-    """Below the door to its outer side, and push it shut with closed fingers."""
+    """Below the door to its outer side, and push it shut with both fingers."""
     rng = hand.rng
     start = door.position(hand.scene.pose(door.name))
     from_hinge, height = BEHIND_M + float(rng.uniform(-0.015, 0.015)), FACE_Z + float(rng.uniform(-0.01, 0.01))
@@ -70,7 +70,6 @@ def close_door(hand: Hand, door: Jointed) -> None:
     def behind(angle: float, gap: float = 0.0) -> Pose:
         return door.hand(angle, (outer - gap, door.pivot[1] + from_hinge, height), 0.85 * angle, 0.0)
 
-    hand.closed = True
     below = Pose(np.array([0.28, -0.12, 0.36]), facing(-0.4, 0.8))
     aside = Pose(behind(start, 0.10).p * (1.0, 1.0, 0.0) + np.array([0.0, -0.06, 0.40]), facing(0.0, 0.45))
     hand.go([vary(below, rng, 0.01), vary(aside, rng, 0.01), behind(start, 0.07), behind(start, 0.01)])

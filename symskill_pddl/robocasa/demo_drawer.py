@@ -1,4 +1,4 @@
-"""How people open and shut a drawer beside them: the bar is grasped and pulled, or pushed from in front with closed fingers."""
+"""How people open and shut a drawer beside them: the bar is grasped and pulled, or pushed from in front with both fingers."""
 
 from __future__ import annotations
 
@@ -40,7 +40,6 @@ def close_drawer(hand: Hand, drawer: Jointed) -> None:
     def before(position: float, gap: float = 0.0) -> Pose:
         return drawer.hand(position, (-BEFORE_M - gap, aside, 0.0), 0.0, pitch)
 
-    hand.closed = True
     hand.go([vary(along(before(start, 0.05), -0.14), rng, 0.01), before(start, 0.04), before(start, 0.008)])
     hand.rest(float(rng.uniform(0.3, 0.6)))
     take_along(hand, drawer, before, start, 0.0)

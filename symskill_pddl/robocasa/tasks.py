@@ -35,6 +35,8 @@ class TaskSpec:
         Arguments of the environment; texts that begin with 'FixtureType.' stand for RoboCasa's constants.
     carried : tuple of str
         RoboCasa's names of what is carried and of the dish it goes to: things that have to be within the arm's reach.
+    closes : bool
+        Whether a door is to be shut, so that the arm has to get to its outer side.
     composed : tuple
         The demonstrated tasks that make up its goal, if it is none itself.
     """
@@ -47,6 +49,7 @@ class TaskSpec:
     styles: tuple[int, ...] = STYLES
     options: dict[str, Any] = field(default_factory=dict, hash=False)
     carried: tuple[str, ...] = ()
+    closes: bool = False
     composed: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     @property
@@ -65,7 +68,7 @@ TASKS = {
     spec.name: spec
     for spec in (
         TaskSpec("OpenSingleDoor", "OpenCabinet", "door", "fxtr", _DOOR, BARS, _SINGLE),
-        TaskSpec("CloseSingleDoor", "CloseCabinet", "door", "fxtr", _DOOR, BARS, _SINGLE),
+        TaskSpec("CloseSingleDoor", "CloseCabinet", "door", "fxtr", _DOOR, BARS, _SINGLE, closes=True),
         TaskSpec("PnPCabToCounter", "PickPlaceCabinetToCounter", "stored food", "cab", _OUT, BARS, _FOOD, carried=("obj",)),
         TaskSpec("PnPCounterToCab", "PickPlaceCounterToCabinet", "stored food", "cab", _IN, BARS, _FOOD, carried=("obj",)),
         TaskSpec("PnPStoveToCounter", "PickPlaceStoveToCounter", "cooked food", "stove", _SERVED, carried=_DISHES),
@@ -84,6 +87,7 @@ TASKS = {
             ("cheese", "cabinet", "counter", "door"),
             BARS,
             carried=("obj",),
+            closes=True,
             composed=(("PnPCabToCounter", ("cheese", "cabinet", "counter")), ("CloseSingleDoor", ("door", "cabinet"))),
         ),
     )

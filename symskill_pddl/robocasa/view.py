@@ -32,6 +32,11 @@ class View:
         T = self.T_world_robot.inverse() @ T_world
         return mirror(T) if self.mirrored else T
 
+    def point(self, p_world: Array) -> Array:
+        """Points (..., 3) of the simulator as they are seen."""
+        p = self.T_world_robot.inverse().apply(p_world)
+        return p * FLIP if self.mirrored else p
+
     def twist(self, seen: Array) -> Array:
         """A twist (6,) in the axes of the view, in those of the simulator's world."""
         linear, angular = seen[:3], seen[3:]

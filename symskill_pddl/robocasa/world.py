@@ -10,10 +10,12 @@ from numpy.random import default_rng
 
 from symskill_pddl.control import ELBOW_UP, ControlConfig, PassiveController
 from symskill_pddl.demonstrator.part import Jointed
+from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.panda.arm import OPEN_APERTURE, Arm
 from symskill_pddl.robocasa.backend import load_mujoco
-from symskill_pddl.robocasa.environment import draw, tune
+from symskill_pddl.robocasa.beside import free_beside
+from symskill_pddl.robocasa.environment import ATTEMPTS, draw, tune
 from symskill_pddl.robocasa.tasks import Split, TaskSpec
 from symskill_pddl.robocasa.things import look
 from symskill_pddl.robocasa.tracking import Model
@@ -88,6 +90,12 @@ class RoboCasaWorld:
         """Where something can be put down in or on an object: a point in its frame (3,)."""
         return np.array(self._room[name]) * (FLIP if self.view.mirrored else 1.0)
 
+    def free_beside(self, name: str) -> bool:
+        """Whether there is room for the arm on the outer side of a door that is wide open."""
+        return free_beside(
+            Model(load_mujoco(), self.arm.model, self.arm.data), self.view, self.part(name), self.moving[name].tracked.body
+        )
+
     def travel(self, name: str) -> float:
         """How far a part can be opened [rad] or [m]."""
         return self.moving[name].travel
@@ -127,5 +135,18 @@ def _limited(twist: Array) -> Array:
 
 
 def open_world(spec: TaskSpec, seed: int, split: Split = "target") -> RoboCasaWorld:
-    """An episode of a task, drawn from the seed in the kitchens of a split; same seed, same episode."""
-    return RoboCasaWorld(spec, draw(spec, default_rng([seed, 365]), split))
+    """An episode of a task, drawn from the seed in the kitchens of a split; same seed, same episode.
+
+    Raises
+    ------
+    InputError
+        No kitchen was found that has what the task is about, within reach.
+    """
+    rng = default_rng([seed, 365])
+    for _ in range(ATTEMPTS):
+        world = RoboCasaWorld(spec, draw(spec, rng, split))
+        if not spec.closes or world.free_beside("door"):
+            return world
+    raise InputError(
+        f"no kitchen of RoboCasa in {ATTEMPTS} draws in which an arm gets to the outer side of the door, seed {seed}"
+    )
