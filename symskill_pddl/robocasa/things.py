@@ -24,6 +24,9 @@ FITS_M = 0.054
 INSET_M, EDGE_M, EASY_M = 0.15, 0.12, 0.46
 """How far from the ends of a free stretch of counter, and from its edges, there is room to put something down; and how far from
 its axis the arm does so easily: nearer, its elbow is folded."""
+ASIDE_M = tuple(0.04 * k for k in range(-9, 10))
+CLEAR_M, HIGH_M = 0.13, 0.4
+"""How far to the side such a place is looked for, how far from it other things stand, and how high above it they count."""
 SHELF_DEPTH_M = 0.08
 """How far behind a cabinet's front there is."""
 
@@ -165,9 +168,29 @@ def _counter(m: Model, env: Any, ref: Any) -> Tracked:
     for region in counter.get_reset_regions(env, ref=ref).values():
         (middle, depth, top), (wide, deep) = region["offset"], region["size"]
         room, inside = max(wide / 2 - INSET_M, 0.0), max(deep / 2 - EDGE_M, 0.0)
-        beside = np.clip(x, middle - room, middle + room)
-        ahead = np.sqrt(max(EASY_M**2 - (beside - x) ** 2, 0.0))
-        spots.append([beside, np.clip(y + ahead, depth - inside, depth + inside), top])
-    p = min((T_world_counter.apply(np.array(spot)) for spot in spots), key=lambda p: float(np.linalg.norm(p - robot)))
+        for aside in ASIDE_M:
+            beside = np.clip(x + aside, middle - room, middle + room)
+            ahead = np.sqrt(max(EASY_M**2 - (beside - x) ** 2, 0.0))
+            spots.append([beside, np.clip(y + ahead, depth - inside, depth + inside), top])
+    points = T_world_counter.apply(np.array(spots))
+    in_the_way = np.maximum(CLEAR_M - _clearance(m, points), 0.0)
+    p = points[int(np.argmin(100.0 * in_the_way + np.linalg.norm(points - robot, axis=1) + np.abs(np.array(spots)[:, 0] - x)))]
     T = Pose(p, _heading(p - robot).q)
     return Tracked("counter", "counter", body, T_world_counter.inverse() @ T)
+
+
+def _clearance(m: Model, points: Array) -> Array:
+    """How far to the side of points (n, 3) on a counter the next thing stands on it (n,) [m]."""
+    top = float(points[0, 2])
+    centers = m.data.geom_xpos + np.einsum("gij,gj->gi", m.data.geom_xmat.reshape(-1, 3, 3), m.model.geom_aabb[:, :3])
+    halves = np.einsum("gij,gj->gi", np.abs(m.data.geom_xmat.reshape(-1, 3, 3)), m.model.geom_aabb[:, 3:])
+    there = m.touchable(range(m.model.nbody))
+    own = [
+        g for g in there if m.model.body(m.model.body_rootid[m.model.geom_bodyid[g]]).name.startswith(("robot0", "mobilebase0"))
+    ]
+    low, high = centers[:, 2] - halves[:, 2], centers[:, 2] + halves[:, 2]
+    standing = [g for g in there if g not in own and high[g] > top + 0.01 and low[g] < top + HIGH_M]
+    if not standing:
+        return np.full(len(points), np.inf)
+    gap = np.maximum(np.abs(points[:, None, :2] - centers[standing][:, :2]) - halves[standing][:, :2], 0.0)
+    return np.asarray(np.linalg.norm(gap, axis=-1).min(axis=1))

@@ -8,7 +8,7 @@ import pytest
 
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Pose, rotation_distance
-from symskill_pddl.robocasa.things import FITS_M, cooked
+from symskill_pddl.robocasa.things import FITS_M, _clearance, cooked
 from symskill_pddl.robocasa.tracking import Model, Tracked
 
 mujoco = pytest.importorskip("mujoco")
@@ -87,3 +87,15 @@ def test_an_episode_without_a_pan_is_refused() -> None:
     env.object_cfgs[1]["info"]["cat"] = "bowl"
     with pytest.raises(InputError, match="needs a pan"):
         cooked(m, env, None)
+
+
+def test_room_on_a_counter_is_where_nothing_stands() -> None:
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><worldbody><geom name="counter" type="box" size="0.3 1 0.02" pos="0.5 0 0.9"/>
+        <geom name="roll" type="cylinder" size="0.05 0.15" pos="0.5 0.1 1.07"/>
+        <geom name="lamp" type="box" size="0.3 1 0.1" pos="0.5 0 1.8"/></worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    points = np.array([[0.5, 0.1, 0.92], [0.5, -0.3, 0.92], [0.5, 0.3, 0.92]])
+    np.testing.assert_allclose(_clearance(Model(mujoco, model, data), points), [0.0, 0.35, 0.15], atol=1e-6)
