@@ -21,6 +21,8 @@ FACE_Z = -0.09
 """Where on a face the door is pushed, from the middle of its handle [m]."""
 BAR_PITCH = np.radians(12.0)
 AJAR_DEG, WIDE_DEG = (47.0, 51.0), (86.0, 89.0)
+STROKE_FROM, STROKE_M = np.radians(2.5), 0.07
+"""From this angle on the hand moves along the outer face by so much, towards the handle."""
 INSIDE_YAW, INSIDE_PITCH, INSIDE_ROLL = np.radians(-60.0), np.radians(35.0), -np.pi / 2
 BEHIND_M = 0.22
 """Where the outer face is pushed, from the hinge on [m]: inside the handle."""
@@ -67,13 +69,16 @@ def close_door(hand: Hand, door: Jointed) -> None:
     from_hinge, height = BEHIND_M + float(rng.uniform(-0.015, 0.015)), FACE_Z + float(rng.uniform(-0.01, 0.01))
     outer = door.pivot[0] - 0.015
 
-    def behind(angle: float, gap: float = 0.0) -> Pose:
-        return door.hand(angle, (outer - gap, door.pivot[1] + from_hinge, height), 0.85 * angle, 0.0)
+    def behind(angle: float, gap: float = 0.0, further: float = 0.0) -> Pose:
+        return door.hand(angle, (outer - gap, door.pivot[1] + from_hinge + further, height), 0.85 * angle, 0.0)
 
     below = Pose(np.array([0.28, -0.12, 0.36]), facing(-0.4, 0.8))
     aside = Pose(behind(start, 0.10).p * (1.0, 1.0, 0.0) + np.array([0.0, -0.06, 0.40]), facing(0.0, 0.45))
     hand.go([vary(below, rng, 0.01), vary(aside, rng, 0.01), behind(start, 0.07), behind(start, 0.01)])
     hand.rest(float(rng.uniform(0.3, 0.6)))
-    take_along(hand, door, lambda angle: behind(angle, -0.015), start, 0.0)
+    take_along(hand, door, lambda angle: behind(angle, -0.006), start, STROKE_FROM)
+    # the last of it is stroked shut, along the face: where a hand stops a little short of its place, the door hardly does
+    hand.go([behind(0.0, -0.012, STROKE_M)], careful=True)
+    take_along(hand, door, lambda angle: behind(angle, -0.015, STROKE_M), STROKE_FROM, 0.0)
     hand.go([along(hand.T, -0.08)], careful=True)
     hand.leave()

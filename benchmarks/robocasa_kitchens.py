@@ -1,6 +1,6 @@
 """Success rates in RoboCasa's kitchens beside those of the paper; may be stopped and called again.
 
-    .venv-robocasa/bin/python benchmarks/robocasa.py [--trials 20] [--seed 1000] [--only TASK ...] [-o docs/results-robocasa.md]
+    .venv-robocasa/bin/python benchmarks/robocasa_kitchens.py [--trials 20] [--seed 1000] [--only TASK ...] [-o docs/results-robocasa.md]
 
 Learns a library from the demonstrations in benchmarks/data/robocasa (`symskill record TASK --world robocasa` makes them, in other
 kitchens), runs every task with the monitor and without, a few seeds of each at a time, and writes the page anew after each round.
@@ -142,7 +142,7 @@ def main() -> None:
     known = checksum(path)
     shown = Counter(demo.task for file in sorted(DEMOS.glob("*.hdf5")) for demo in load_demos(file))
     of = f"One library, learned from {min(shown.values())} to {max(shown.values())} demonstrations of each task."
-    call = f"python benchmarks/robocasa.py --trials {args.trials} --seed {args.seed}"
+    call = f"python benchmarks/robocasa_kitchens.py --trials {args.trials} --seed {args.seed}"
     found: Found = {}
     for first in range(0, args.trials, ROUND):
         for monitor in (True, False):
