@@ -1,6 +1,6 @@
 """Success rates in RoboCasa's kitchens beside those of the paper; may be stopped and called again.
 
-    .venv-robocasa/bin/python benchmarks/robocasa_kitchens.py [--trials 20] [--seed 1000] [--only TASK ...] [-o docs/results-robocasa.md]
+    .venv-robocasa/bin/python benchmarks/robocasa_kitchens.py [--trials 20] [--seed 1000] [--only TASK ...] [-o FILE]
 
 Learns a library from the demonstrations in benchmarks/data/robocasa (`symskill record TASK --world robocasa` makes them, in other
 kitchens), runs every task with the monitor and without, a few seeds of each at a time, and writes the page anew after each round.
