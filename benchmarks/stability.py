@@ -28,7 +28,8 @@ import numpy as np
 from page import PAGE, machine, write_section
 
 from symskill_pddl.kitchen import TASKS, make, task_named
-from symskill_pddl.kitchen.world import MAX_RATE, MAX_SPEED, Kitchen
+from symskill_pddl.kitchen.world import Kitchen
+from symskill_pddl.panda.arm import MAX_RATE, MAX_SPEED
 from symskill_pddl.scene import Command
 
 FIXED = ("counter", "room")

@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from symskill_pddl.errors import InputError, MissingDependencyError
 from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import make, parse_disturbance, task_named
-from symskill_pddl.kitchen.world import MAX_RATE, MAX_SPEED, Kitchen
+from symskill_pddl.kitchen.world import Kitchen
+from symskill_pddl.panda.arm import MAX_RATE, MAX_SPEED
 from symskill_pddl.scene import Command, Scene
 
 try:

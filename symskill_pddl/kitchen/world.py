@@ -9,18 +9,17 @@ import numpy as np
 from numpy.random import Generator, default_rng
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.geometry import Array, Pose
+from symskill_pddl.geometry import Pose
 from symskill_pddl.kitchen import layout
 from symskill_pddl.kitchen.disturbances import Disturbance, Running
 from symskill_pddl.kitchen.episode import Episode
 from symskill_pddl.kitchen.physics import Physics
 from symskill_pddl.kitchen.tasks import TaskSpec, task_named
 from symskill_pddl.panda import reach
+from symskill_pddl.panda.arm import limited
 from symskill_pddl.scene import Command, Scene
 
 PHYSICS_STEPS = 25
-MAX_SPEED, MAX_RATE = 0.6, 2.0
-"""What the arm carries out at most [m/s], [rad/s]; faster commands are scaled down."""
 
 
 class Kitchen:
@@ -125,7 +124,7 @@ class Kitchen:
         for disturbance in self._disturbances:
             disturbance.act(self)
         self._closed = command.close_gripper
-        self.physics.advance(_limited(command.twist), command.close_gripper and not self.forced_open, PHYSICS_STEPS)
+        self.physics.advance(limited(command.twist), command.close_gripper and not self.forced_open, PHYSICS_STEPS)
         begin = perf_counter()
         scene = self.observe()
         self.ms = {"observe": 1e3 * (perf_counter() - begin), "controller": 1e3 * self.physics.controller_s}
@@ -146,12 +145,6 @@ class Kitchen:
     def succeeded(self) -> bool:
         """The judge, on the simulator's own state."""
         return self.spec.judge(self.physics, self.episode.focus)
-
-
-def _limited(twist: Array) -> Array:
-    """The twist, scaled down as a whole to what the arm is allowed."""
-    excess = max(float(np.linalg.norm(twist[:3])) / MAX_SPEED, float(np.linalg.norm(twist[3:])) / MAX_RATE, 1.0)
-    return np.array(twist) / excess
 
 
 def make(task: str, seed: int, disturbances: Iterable[Disturbance] = ()) -> Kitchen:

@@ -30,6 +30,16 @@ FINGER_FORCE = 45.0
 """Most the fingers' drives give [N], each; the real hand presses with up to 70 N."""
 
 
+MAX_SPEED, MAX_RATE = 0.6, 2.0
+"""What the arm carries out at most [m/s], [rad/s]; faster commands are scaled down."""
+
+
+def limited(twist: Array) -> Array:
+    """A twist (6,), scaled down as a whole to what the arm is allowed."""
+    excess = max(float(np.linalg.norm(twist[:3])) / MAX_SPEED, float(np.linalg.norm(twist[3:])) / MAX_RATE, 1.0)
+    return np.array(twist) / excess
+
+
 def tune(mujoco: ModuleType, model: Any) -> None:
     """Set what robosuite's parts leave to the defaults: contacts that hold a grasp, the drives of the arm and of the fingers."""
     model.opt.timestep = 0.002

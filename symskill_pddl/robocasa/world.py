@@ -12,7 +12,7 @@ from symskill_pddl.control import ELBOW_UP, ControlConfig, PassiveController
 from symskill_pddl.demonstrator.part import Jointed
 from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, Pose
-from symskill_pddl.panda.arm import OPEN_APERTURE, Arm
+from symskill_pddl.panda.arm import OPEN_APERTURE, Arm, limited
 from symskill_pddl.robocasa.backend import load_mujoco
 from symskill_pddl.robocasa.beside import free_beside
 from symskill_pddl.robocasa.environment import ATTEMPTS, draw, tune
@@ -23,8 +23,6 @@ from symskill_pddl.robocasa.view import FLIP, View
 from symskill_pddl.scene import Command, Scene
 
 PERIOD_S = 0.05
-MAX_SPEED, MAX_RATE = 0.6, 2.0
-"""What the arm carries out at most [m/s], [rad/s]; faster commands are scaled down."""
 MIRRORED_POSTURE = tuple(np.array(ELBOW_UP) * (-1, 1, -1, 1, -1, 1, -1) + np.array([0, 0, 0, 0, 0, 0, np.pi / 2]))
 """The arm's mirror image of `ELBOW_UP`: the hand is mounted at 45 degrees to its last joint."""
 
@@ -116,7 +114,7 @@ class RoboCasaWorld:
     def step(self, command: Command) -> Scene:
         """Carry out the command for one period and return the scene after it."""
         self._closed = command.close_gripper
-        self.arm.advance(self.view.twist(_limited(command.twist)), command.close_gripper, self._steps)
+        self.arm.advance(self.view.twist(limited(command.twist)), command.close_gripper, self._steps)
         begin = perf_counter()
         scene = self.observe()
         self.ms = {"observe": 1e3 * (perf_counter() - begin), "controller": 1e3 * self.arm.controller_s}
@@ -126,12 +124,6 @@ class RoboCasaWorld:
         """RoboCasa's own judge, on the simulator's own state, after what RoboCasa does at the end of every step."""
         self.env.update_state()
         return bool(self.env._check_success())
-
-
-def _limited(twist: Array) -> Array:
-    """The twist, scaled down as a whole to what the arm is allowed."""
-    excess = max(float(np.linalg.norm(twist[:3])) / MAX_SPEED, float(np.linalg.norm(twist[3:])) / MAX_RATE, 1.0)
-    return np.array(twist) / excess
 
 
 def open_world(spec: TaskSpec, seed: int, split: Split = "target") -> RoboCasaWorld:

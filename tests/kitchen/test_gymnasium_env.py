@@ -11,7 +11,7 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.kitchen import gymnasium_env as module
 from symskill_pddl.kitchen import make
 from symskill_pddl.kitchen.gymnasium_env import ENV_ID, KitchenEnv
-from symskill_pddl.kitchen.world import MAX_RATE, MAX_SPEED
+from symskill_pddl.panda.arm import MAX_RATE, MAX_SPEED
 
 pytestmark = pytest.mark.simulation
 
