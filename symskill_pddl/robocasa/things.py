@@ -2,7 +2,8 @@
 
 A frame is about what a hand does with a thing. That of food is in its middle, y across a side that fits between the fingers, x
 as nearly away from the robot as its shape allows when the episode begins. Dishes are round: their frames look straight away from
-the robot. A counter is long: its frame is on its top, where what is free of it is nearest to the robot. A cabinet is what is
+the robot. A counter is long: its frame is on its top, where what is free of it is nearest to the robot, and looks as the cabinet
+above does. A cabinet is what is
 behind one of its doors, as in the tasks about doors; of one with two, the half that the food is nearest to.
 """
 
@@ -25,10 +26,15 @@ INSET_M, EDGE_M, EASY_M = 0.15, 0.12, 0.46
 """How far from the ends of a free stretch of counter, and from its edges, there is room to put something down; and how far from
 its axis the arm does so easily: nearer, its elbow is folded."""
 ASIDE_M = tuple(0.04 * k for k in range(-9, 10))
-CLEAR_M, HIGH_M = 0.13, 0.4
-"""How far to the side such a place is looked for, how far from it other things stand, and how high above it they count."""
+CLEAR_M, HIGH_M, BESIDE_M = 0.13, 0.4, 0.3
+"""How far to the side such a place is looked for, how far from it other things stand, how high above it they count, and how far
+from straight ahead it may be."""
 SHELF_DEPTH_M = 0.08
 """How far behind a cabinet's front there is."""
+
+
+class NoRoomError(InputError):
+    """A kitchen has no room for a thing where the arm could put it down."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +77,7 @@ def stored(m: Model, env: Any, fixture: Any, name: str = "food") -> Seen:
     half = min(halves, key=lambda found: abs(_middle(found) - float(_world(m, found.unit).inverse().apply(p)[1])))
     front, floor = _shelf(fixture, _world(m, half.unit))
     room = {"cabinet": (front + SHELF_DEPTH_M, _middle(half), floor), "counter": (0.0, 0.0, 0.0)}
-    tracked = (food, half.unit, half.moving.tracked, _counter(m, env, fixture))
+    tracked = (food, half.unit, half.moving.tracked, _counter(m, env, fixture, _world(m, half.unit)))
     return Seen(tracked, (half.moving,), half.mirrored, room)
 
 
@@ -157,8 +163,16 @@ def _shelf(fixture: Any, T_unit: Pose) -> tuple[float, float]:
     return float(p0[0]), float(p0[2])
 
 
-def _counter(m: Model, env: Any, ref: Any) -> Tracked:
-    """The counter where it is free and nearest to the robot, as RoboCasa looks for room next to a fixture."""
+def _counter(m: Model, env: Any, ref: Any, T_world_cabinet: Pose) -> Tracked:
+    """The counter where it is free and nearest to the robot, as RoboCasa looks for room next to a fixture.
+
+    Its frame looks as that of the cabinet above it does, which one has to come straight out of.
+
+    Raises
+    ------
+    NoRoomError
+        The nearest is not in front of the robot, which would have to drive there.
+    """
     counter = env.counter
     body = int(m.model.body(f"{counter.name}_main").id)
     T_world_counter = m.T_world(body)
@@ -175,7 +189,9 @@ def _counter(m: Model, env: Any, ref: Any) -> Tracked:
     points = T_world_counter.apply(np.array(spots))
     in_the_way = np.maximum(CLEAR_M - _clearance(m, points), 0.0)
     p = points[int(np.argmin(100.0 * in_the_way + np.linalg.norm(points - robot, axis=1) + np.abs(np.array(spots)[:, 0] - x)))]
-    T = Pose(p, _heading(p - robot).q)
+    if abs((m.T_world_robot().inverse().apply(p))[1]) > BESIDE_M:
+        raise NoRoomError(f"there is no room on the counter in front of '{ref.name}'")
+    T = Pose(p, T_world_cabinet.q)
     return Tracked("counter", "counter", body, T_world_counter.inverse() @ T)
 
 

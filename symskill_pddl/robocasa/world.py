@@ -17,7 +17,7 @@ from symskill_pddl.robocasa.backend import load_mujoco
 from symskill_pddl.robocasa.beside import free_beside
 from symskill_pddl.robocasa.environment import ATTEMPTS, draw, tune
 from symskill_pddl.robocasa.tasks import Split, TaskSpec
-from symskill_pddl.robocasa.things import look
+from symskill_pddl.robocasa.things import NoRoomError, look
 from symskill_pddl.robocasa.tracking import Model
 from symskill_pddl.robocasa.view import FLIP, View
 from symskill_pddl.scene import Command, Scene
@@ -136,7 +136,10 @@ def open_world(spec: TaskSpec, seed: int, split: Split = "target") -> RoboCasaWo
     """
     rng = default_rng([seed, 365])
     for _ in range(ATTEMPTS):
-        world = RoboCasaWorld(spec, draw(spec, rng, split))
+        try:
+            world = RoboCasaWorld(spec, draw(spec, rng, split))
+        except NoRoomError:
+            continue
         if not spec.closes or world.free_beside("door"):
             return world
     raise InputError(
