@@ -61,10 +61,11 @@ def page(found: Found, missing: list[str], call: str, library_is_of: str) -> str
         clock, the median of the successful episodes [s]; new plans are means per episode with the monitor."""
     different = """
         What is different from the paper: the assets are primitive shapes of our own ([robocasa.md](robocasa.md)); the
-        demonstrations are scripted, not teleoperated; the kitchens vary freely where the paper kept one variant of each fixture,
-        in training and in the trials, but are drawn again where this robot, which does not drive, could not do the task: food or
-        dish out of reach, no room beside the door or on the counter, handles that are no bars (robocasa.md lists all of it); the base
-        stands where RoboCasa puts it. Demonstrations that failed, or in which food tumbled, were dropped."""
+        demonstrations are scripted, not teleoperated; the kitchens vary freely where the paper kept one variant of
+        each fixture, in training and in the trials, but are drawn again where this robot, which does not drive, could
+        not do the task: food or dish out of reach, no room beside the door or on the counter, handles that are no
+        bars (robocasa.md lists all of it); the base stands where RoboCasa puts it. Demonstrations that failed, or in
+        which food tumbled, were dropped."""
     lines = ["# Results in RoboCasa", "", *_wrapped(about), "", *_wrapped(different), ""]
     lines += ["| task | paper | paper, no monitor | with monitor | % | 95 % | no monitor | % | p | time | new plans |"]
     lines += ["|---|---|---|---|---|---|---|---|---|---|---|"]
