@@ -139,6 +139,7 @@ def _wished() -> list[Entry]:
         Entry(MECHANISMS, "plate", ("PnPStoveToCounter",), 30, "plate moved", SHOWN, ("move-plate@op=1",), ("tracking",), **by),
         Entry(MECHANISMS, "thing", ("PnPCounterToCab",), 30, "food shifted", SHOWN, ("shift@t=1",), ("tracking",), **by),
         Entry(MECHANISMS, "obstacle", ("PnPCounterToCab",), 30, "obstacle", SHOWN, ("obstacle@t=3",), ("obstacles",), **by),
+        Entry(MECHANISMS, "obstacle-watched", ("PnPCounterToCab",), 30, "obstacle", SHOWN, ("obstacle@t=3",), ("obstacles",)),
     ]
     made += [Entry(FEWER, f"shown-{shown}", atomic, 20, f"{shown} shown", shown) for shown in (1, 3, 10)]
     return made
