@@ -13,4 +13,7 @@ try:
 except SymSkillError as error:
     print(error, file=sys.stderr)
     sys.exit(error.exit_status)
+except OSError as error:
+    print(f"cannot write '{sys.argv[1]}': {error}", file=sys.stderr)
+    sys.exit(2)
 print(f"{sys.argv[1]}: {size / 1000:.0f} kB of models and colours; ROBOCASA_ASSETS_PATH may point there")

@@ -99,6 +99,22 @@ class Arena(Protocol):
 
 
 @runtime_checkable
+class Provided(Protocol):
+    """An arena that needs what not everybody has: a simulator, its files."""
+
+    def check_ready(self) -> None:
+        """Find out before the work that no episode could be opened.
+
+        Raises
+        ------
+        MissingDependencyError
+            Something is not installed.
+        InputError
+            It is not where the user says.
+        """
+
+
+@runtime_checkable
 class Recordable(Protocol):
     """An arena with a demonstrator."""
 

@@ -44,6 +44,26 @@ def arena_named(name: str) -> Arena:
     return found
 
 
+def ready(name: str, task: str | None = None) -> Arena:
+    """An arena that has what it needs to open an episode, of a task that it has.
+
+    Raises
+    ------
+    InputError
+        As `arena_named`; no such task; or something is not where the user says.
+    MissingDependencyError
+        The world needs something that is not installed.
+    """
+    from symskill_pddl.arena import Provided
+
+    arena = arena_named(name)
+    if task is not None:
+        check_task(arena, task)
+    if isinstance(arena, Provided):
+        arena.check_ready()
+    return arena
+
+
 def check_task(arena: Arena, task: str) -> None:
     """Raise `InputError` if the arena has no such task."""
     if task not in arena.tasks:

@@ -1,8 +1,9 @@
 import pytest
+from toy_arena import ToyArena
 
 from symskill_pddl.arena import Arena, Disturbed, Filmable, Recordable
-from symskill_pddl.errors import InputError
-from symskill_pddl.worlds import ARENAS, DEFAULT, arena_named, check_task
+from symskill_pddl.errors import InputError, MissingDependencyError
+from symskill_pddl.worlds import ARENAS, DEFAULT, arena_named, check_task, ready
 
 
 @pytest.mark.parametrize("name", ARENAS)
@@ -59,3 +60,22 @@ def test_a_task_that_is_not_there() -> None:
     check_task(arena, "OpenUp")
     with pytest.raises(InputError, match="unknown task 'Fly'; the world 'toy' has: OpenUp, PutIn, StoreIt"):
         check_task(arena, "Fly")
+
+
+class Unprovided(ToyArena):
+    """A world whose simulator is not installed."""
+
+    def check_ready(self) -> None:
+        raise MissingDependencyError("no simulator here")
+
+
+UNPROVIDED = Unprovided()
+
+
+def test_a_world_says_before_the_work_what_it_lacks() -> None:
+    assert ready("toy_arena:ARENA", "OpenUp") is arena_named("toy_arena:ARENA")
+    with pytest.raises(InputError, match="unknown task 'Fly'"):
+        ready("toy_arena:ARENA", "Fly")
+    for task in (None, "OpenUp"):
+        with pytest.raises(MissingDependencyError, match="no simulator here"):
+            ready("test_worlds:UNPROVIDED", task)

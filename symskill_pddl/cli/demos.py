@@ -10,7 +10,7 @@ import typer
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.cli.options import JsonFlag, LibraryArgument, WorldOption, pairs, require_folder
 from symskill_pddl.errors import InputError
-from symskill_pddl.worlds import DEFAULT
+from symskill_pddl.worlds import DEFAULT, ready
 
 if TYPE_CHECKING:
     from symskill_pddl.learning.vision import VisionSelector
@@ -28,10 +28,8 @@ def record(
     """Record demonstrations of a task in a simulated world."""
     from symskill_pddl.arena import Recordable
     from symskill_pddl.demos import save_demos
-    from symskill_pddl.worlds import arena_named, check_task
 
-    arena = arena_named(world)
-    check_task(arena, task)
+    arena = ready(world, task)
     if not isinstance(arena, Recordable):
         raise InputError(f"the world '{world}' has no demonstrator")
     require_folder(output)

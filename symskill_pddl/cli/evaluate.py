@@ -12,7 +12,7 @@ import typer
 from symskill_pddl.cli import options, work
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.errors import InputError
-from symskill_pddl.worlds import DEFAULT
+from symskill_pddl.worlds import DEFAULT, ready
 
 if TYPE_CHECKING:
     from symskill_pddl.evaluation.paired import Difference
@@ -62,12 +62,11 @@ def evaluate(
     from symskill_pddl.evaluation.paired import compare
     from symskill_pddl.evaluation.spread import Processes, Ray
     from symskill_pddl.evaluation.suite import Suite, chosen
-    from symskill_pddl.worlds import arena_named
 
     config = work.execution_config(
         no_resampling=no_resampling, no_replanning=no_replanning, no_tracking=no_tracking, no_obstacles=no_obstacles
     )
-    preset, mechanisms = chosen(arena_named(world), tasks, suite), against or []
+    preset, mechanisms = chosen(ready(world), tasks, suite), against or []
     disturbances = (*preset.disturbances, *(disturb or ()))
     asked = Suite(preset.tasks, trials, seed, planner or "auto", not no_monitor, disturbances, config, world)
     if len(set(mechanisms)) < len(mechanisms):

@@ -13,7 +13,7 @@ from symskill_pddl.cli import options, work
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.cli.film import check_video, filmed
 from symskill_pddl.errors import InputError
-from symskill_pddl.worlds import DEFAULT
+from symskill_pddl.worlds import DEFAULT, ready
 
 if TYPE_CHECKING:
     from symskill_pddl.arena import Film
@@ -55,6 +55,7 @@ def run(
     check_video(video, world)
     if problem is not None and (domain is None or goal is not None):
         raise InputError("--problem needs --domain, whose problem it is, and states the goal, so --goal cannot stand with it")
+    ready(world, task)
     learned, engine, posed = work.open_library(library), get(planner or "auto"), None
     if domain is not None:
         learned, written, comparison = work.edit(learned, domain)

@@ -10,7 +10,7 @@ import typer
 from symskill_pddl.cli import options, work
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.errors import NoPlanError
-from symskill_pddl.worlds import DEFAULT
+from symskill_pddl.worlds import DEFAULT, ready
 
 UNIFIED = "unified-planning:"
 
@@ -46,6 +46,7 @@ def problem(
     """Write an episode of a task as a PDDL problem: objects and atoms of its first scene, and its goal."""
     from symskill_pddl.evaluation.trial import prepare
 
+    ready(world, task)
     learned = work.open_library(library)
     with progress(f"setting up {task}, seed {seed}"):
         episode = prepare(learned, task, seed, world=world, goal=goal, domain_name=name)

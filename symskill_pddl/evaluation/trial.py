@@ -10,6 +10,7 @@ import numpy as np
 
 from symskill_pddl.abstraction import abstract
 from symskill_pddl.arena import Disturbed, OpenEpisode
+from symskill_pddl.errors import InputError
 from symskill_pddl.evaluation.goals import goal_atoms, resting_atoms
 from symskill_pddl.evaluation.posed import placed, unlike
 from symskill_pddl.evaluation.results import EpisodeResult, count
@@ -84,10 +85,13 @@ def prepare(
     Raises
     ------
     InputError
-        Unknown world, task or disturbance, no learned goal, or a goal or problem that does not fit the library or the scene.
+        Unknown world, task or disturbance, a negative seed, no learned goal, or a goal or problem that does not fit the
+        library or the scene.
     """
     arena = arena_named(world)
     check_task(arena, task)
+    if seed < 0:
+        raise InputError(f"a seed is at least 0, got {seed}")
     for spec in disturbances:
         arena.check_disturbance(spec)
     opened = arena.open(task, seed, disturbances)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class RoboCasaArena:
-    """Implements `Arena` and `Recordable`: episodes in RoboCasa's target kitchens, demonstrations in its training kitchens."""
+    """`Arena`, `Provided` and `Recordable`: episodes in RoboCasa's target kitchens, demonstrations in its training kitchens."""
 
     name = "robocasa"
     presets: Mapping[str, Preset] = {}
@@ -28,6 +28,12 @@ class RoboCasaArena:
     def check_disturbance(self, spec: str) -> None:
         """There are none."""
         raise InputError(f"disturbance '{spec}': nothing goes wrong on purpose in the world 'robocasa'")
+
+    def check_ready(self) -> None:
+        """RoboCasa and assets are there."""
+        from symskill_pddl.robocasa.backend import assets_folder
+
+        assets_folder()
 
     def open(self, task: str, seed: int, disturbances: Sequence[str] = ()) -> RoboCasaWorld:
         """An episode of a task."""

@@ -12,7 +12,7 @@ from numpy.random import Generator
 from symskill_pddl.errors import InputError
 from symskill_pddl.panda.arm import tune_drives
 from symskill_pddl.robocasa import store_cheese
-from symskill_pddl.robocasa.backend import load_mujoco, load_robocasa, quick_yaml
+from symskill_pddl.robocasa.backend import load_mujoco, load_robocasa, quick_yaml, reading_assets
 from symskill_pddl.robocasa.tasks import LAYOUTS, Split, TaskSpec
 
 FINGERS = ("gripper0_right_finger1_", "gripper0_right_finger2_")
@@ -52,7 +52,7 @@ def make(spec: TaskSpec, layout: int, style: int, seed: int) -> Any | None:
         key: getattr(FixtureType, value.split(".")[1]) if isinstance(value, str) and value.startswith("FixtureType.") else value
         for key, value in spec.options.items()
     }
-    with contextlib.redirect_stdout(io.StringIO()), quick_yaml():
+    with contextlib.redirect_stdout(io.StringIO()), quick_yaml(), reading_assets():
         env = robosuite.make(
             spec.env,
             robots="PandaOmron",

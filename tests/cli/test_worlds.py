@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from toy_arena import toy_library
+from toy_arena import ToyArena, toy_library
 
 from symskill_pddl.cli import work
+from symskill_pddl.errors import MissingDependencyError
 from symskill_pddl.library import Library
 
 WORLD = ("--world", "toy_arena:ARENA")
@@ -81,3 +82,34 @@ def test_nothing_is_recorded_where_there_is_no_demonstrator(symskill: Callable[.
     assert done.status == 2
     assert "the world 'toy_arena:ARENA' has no demonstrator" in done.error
     assert "unknown world 'moon'" in symskill("record", "StoreIt", "--world", "moon", "-o", tmp_path / "demos.hdf5").error
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("run", "--task", "OpenUp", "--trace"),
+        ("problem", "--task", "OpenUp", "-o"),
+        ("evaluate", "--tasks", "OpenUp", "-o"),
+        ("record", "-n", "1", "-o"),
+    ],
+)
+def test_a_missing_simulator_is_said_before_anything_else(
+    symskill: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...]
+) -> None:
+    def check_ready(_: ToyArena) -> None:
+        raise MissingDependencyError("no simulator here")
+
+    monkeypatch.setattr(ToyArena, "check_ready", check_ready, raising=False)
+    monkeypatch.setattr(ToyArena, "record", None, raising=False)
+    name, *options = command
+    # the library does not exist, which nobody should hear of
+    about = "OpenUp" if name == "record" else tmp_path / "library"
+    done = symskill(name, about, *WORLD, *options, tmp_path / "written")
+    assert (done.status, done.error) == (2, "no simulator here")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_negative_seed_is_refused(symskill: Callable[..., Any], toys: Path, tmp_path: Path) -> None:
+    for command in (("run",), ("problem", "-o", tmp_path / "problem.pddl")):
+        done = symskill(command[0], toys, "--task", "OpenUp", "--seed", -1, *WORLD, *command[1:])
+        assert (done.status, done.error) == (2, "a seed is at least 0, got -1")
