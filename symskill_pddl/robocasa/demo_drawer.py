@@ -10,9 +10,9 @@ from symskill_pddl.demonstrator.part import Jointed, grasp_and_take, take_along
 from symskill_pddl.demonstrator.poses import along
 from symskill_pddl.geometry import Pose
 
-PULL_PITCH_DEG, PULL_YAW, PULL_ROLL = (18.0, 24.0), np.radians(-20.0), -np.pi / 2
+PULL_PITCH_DEG, PULL_YAW, PULL_ROLL = (18.0, 24.0), np.radians(-20.0), np.pi / 2
 """Flat enough to come in below the edge of the counter, from the side on which the robot stands. The bar is level: the fingers
-open in the upright plane."""
+open in the upright plane. Of the two ways to roll the hand, this one hardly turns the last joint, also in the mirror."""
 PUSH_PITCH_DEG = (76.0, 82.0)
 """The hand hangs down in front of the bar, its thin side towards it."""
 BEFORE_M = 0.022
