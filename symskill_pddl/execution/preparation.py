@@ -6,13 +6,14 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from symskill_pddl.execution.around import Obstacles, Strangers
 from symskill_pddl.execution.belief import Belief
 from symskill_pddl.execution.body import Body
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.deliberation import Deliberation, Planned
 from symskill_pddl.execution.monitor import Watch
 from symskill_pddl.execution.recovery import goal_phase, goal_shift, key_of, later_leg, way_in
-from symskill_pddl.execution.runner import Obstacles, SkillRun
+from symskill_pddl.execution.runner import SkillRun
 from symskill_pddl.library import Library
 from symskill_pddl.skills import Skill
 from symskill_pddl.symbols import GroundOperator, State
@@ -81,7 +82,7 @@ class Preparation:
         )
         return watch, run, attempt
 
-    def _obstacles(self, step: GroundOperator) -> tuple[Obstacles | None, Obstacles | None]:
+    def _obstacles(self, step: GroundOperator) -> tuple[Obstacles | None, Strangers | None]:
         """What the hand flows around: things of types that were shown, and others, which the whole hand keeps away from."""
         config = self._config.motion
         if not (config.avoid and self._extents):
@@ -93,7 +94,7 @@ class Preparation:
         avoided = Obstacles(objects, known, spared, config, self._body.velocities)
         if not any(kind in other for kind in objects.values()):
             return avoided, None
-        return avoided, Obstacles(objects, other, spared, config, self._body.velocities, whole_hand=True)
+        return avoided, Strangers(objects, other, spared, config, self._body.velocities)
 
     def _awaited(self, step: GroundOperator, skill: Skill, binding: Mapping[str, str]) -> tuple[int, Callable[[], bool]] | None:
         """The phase that brings what is hinged or slides to its place, and whether it is there."""

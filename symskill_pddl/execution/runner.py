@@ -10,14 +10,20 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from symskill_pddl.errors import InputError, alternatives
+from symskill_pddl.execution.around import Strangers
 from symskill_pddl.execution.config import MotionConfig
+from symskill_pddl.execution.detour import Detour
 from symskill_pddl.execution.recovery import capped
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.scene import Command, Scene
 from symskill_pddl.skills import Phase, Skill, Superellipsoids, modulate, scalar
 from symskill_pddl.skills.skill import UNSHIFTED
+
+_LOCAL = 8.0
+"""Locality of obstacles that the whole hand keeps away from."""
 
 
 class Fingers:
@@ -73,9 +79,10 @@ class SkillRun:
         The phase to begin with.
     awaited : (int, callable) or None
         A phase that brings something about, and whether it has: until then only rest ends that phase, its tolerance does not.
-    obstacles, strange : callable
-        The obstacles of a scene: those that the demonstrations knew, which do not count where they stand around the goal, and
-        others.
+    obstacles : callable
+        The obstacles of a scene that the demonstrations knew; they do not count where they stand around the goal.
+    strange : Strangers or None
+        Others, which the whole hand keeps away from.
 
     Raises
     ------
@@ -94,7 +101,7 @@ class SkillRun:
         first: int = 0,
         awaited: tuple[int, Callable[[], bool]] | None = None,
         obstacles: Callable[[Scene], Superellipsoids] | None = None,
-        strange: Callable[[Scene], Superellipsoids] | None = None,
+        strange: Strangers | None = None,
     ) -> None:
         for phase in skill.phases:
             if phase.frame not in binding:
@@ -107,6 +114,9 @@ class SkillRun:
         self._stage, self._stage_since = first, scene.time
         self._rest_since = scene.time
         self._previous = self._start = scene
+        self._detour: tuple[int, Detour] | None = None
+        self._waited = scene.time
+        """When the hand last waited for an obstacle to go away: that is not being blocked."""
         self.obstacles_ms = 0.0
         """How much of the last tick's time went into obstacles [ms]."""
 
@@ -146,7 +156,9 @@ class SkillRun:
         if not settling and not (ended and changed):
             nominal = self._twist(min(self._stage, self.phases - 1), scene)
         begin = perf_counter()
-        twist = self._modulated(nominal, scene)
+        twist, waits = self._modulated(nominal, scene)
+        if waits:
+            self._waited = scene.time
         self.obstacles_ms = 1e3 * (perf_counter() - begin)
         return Motion(
             Command(capped(twist, self._config.max_speed, self._config.max_turn), self._fingers.closing),
@@ -155,7 +167,7 @@ class SkillRun:
             settling,
             float(np.linalg.norm(nominal[:3])),
             float(np.linalg.norm(nominal[3:])),
-            scene.time - self._rest_since,
+            scene.time - max(self._rest_since, self._waited),
         )
 
     def _advance(self, scene: Scene) -> None:
@@ -203,65 +215,24 @@ class SkillRun:
         T_world_frame, shift = self._frame(phase, scene)
         return np.asarray(phase.twist(T_world_frame, scene.T_world_ee, shift))
 
-    def _modulated(self, nominal: Array, scene: Scene) -> Array:
+    def _modulated(self, nominal: Array, scene: Scene) -> tuple[Array, bool]:
+        """The twist around the obstacles, and whether the hand waits for one to go away."""
         if self._obstacles is None or not np.any(nominal[:3]):
-            return nominal
-        phase = self._skill.phases[min(self._stage, self.phases - 1)]
-        goal = phase.goal_p(*self._frame(phase, scene))
-        bent = modulate(nominal[:3], scene.T_world_ee.p, self._obstacles(scene), goal=goal)
-        if self._strange is not None:
-            # what stands on the goal is waited for
-            bent = modulate(bent, scene.T_world_ee.p, self._strange(scene))
-        return np.concatenate([bent, nominal[3:]])
+            return nominal, False
+        stage = min(self._stage, self.phases - 1)
+        phase = self._skill.phases[stage]
+        T_world_frame, shift = self._frame(phase, scene)
+        if self._strange is None:
+            return self._bent(nominal, scene, phase.goal_p(T_world_frame, shift)), False
+        if self._detour is None or self._detour[0] != stage:
+            self._detour = stage, Detour(self._strange)
+        led = self._detour[1](phase.field, T_world_frame @ shift, nominal, scene, scene.time - self._rest_since)
+        twist = self._bent(led.twist, scene, phase.goal_p(T_world_frame, shift) if led.target is None else led.target.p)
+        # the hand's own size is in these obstacles: they reach far enough as they are
+        twist[:3] = modulate(twist[:3], scene.T_world_ee.p, self._strange(scene), locality=_LOCAL)
+        return twist, led.waits
 
-
-class Obstacles:
-    """Ellipsoids around the small free-standing objects that a step has nothing to do with.
-
-    An ellipsoid lies about half way between its box's faces and corners, plus the clearance for the hand.
-
-    Parameters
-    ----------
-    objects : mapping of str to str
-        The scene's objects and types, in its order.
-    extents : mapping
-        Half sizes of the types [m].
-    spared : frozenset of str
-        Objects to leave out: the step's arguments and what is held.
-    velocities : callable
-        The present velocities (n, 3) [m/s] of the scene's objects.
-    whole_hand : bool
-        Whether the hand is led with its whole length, not only with the point between its fingers. The demonstrated motions clear
-        what was there with the whole hand; they know nothing of other things.
-    """
-
-    def __init__(
-        self,
-        objects: Mapping[str, str],
-        extents: Mapping[str, tuple[float, float, float]],
-        spared: frozenset[str],
-        config: MotionConfig,
-        velocities: Callable[[], Array] | None = None,
-        whole_hand: bool = False,
-    ) -> None:
-        def small(name: str, kind: str) -> bool:
-            return name not in spared and kind in extents and max(extents[kind]) <= config.obstacle_limit
-
-        rows = [(i, name, kind) for i, (name, kind) in enumerate(objects.items()) if small(name, kind)]
-        self.names = tuple(name for _, name, _ in rows)
-        self._rows = np.array([i for i, _, _ in rows], dtype=np.intp)
-        self._radii = 1.3 * np.array([extents[kind] for _, _, kind in rows]).reshape(-1, 3) + config.obstacle_clearance
-        self._velocities = velocities
-        self._whole_hand = whole_hand
-        width, length = config.hand
-        self._core = np.array([[0.0, -width / 2, -length], [0.0, width / 2, 0.0]])
-
-    def __call__(self, scene: Scene) -> Superellipsoids:
-        velocity = np.zeros(self._radii.shape) if self._velocities is None else self._velocities()[self._rows]
-        T_world = scene.T_world_objects[self._rows]
-        if self._whole_hand:
-            # as near to the point that is led as it is to the nearest point of the hand
-            hand = scene.T_world_ee
-            nearest = np.clip(hand.inverse().apply(T_world.p), *self._core)
-            T_world = Pose(T_world.p - hand.rotate(nearest), T_world.q)
-        return Superellipsoids(T_world, self._radii, velocity)
+    def _bent(self, twist: Array, scene: Scene, goal: ArrayLike) -> Array:
+        assert self._obstacles is not None
+        bent = modulate(twist[:3], scene.T_world_ee.p, self._obstacles(scene), goal=goal)
+        return np.concatenate([bent, twist[3:]])

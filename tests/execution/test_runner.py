@@ -2,13 +2,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_world import DOWN, HOME, OBJECTS, FakeWorld, phase
+from fake_world import DOWN, HOME, FakeWorld, phase
 
 from symskill_pddl.errors import InputError
 from symskill_pddl.execution.config import MotionConfig
-from symskill_pddl.execution.runner import Obstacles, SkillRun
+from symskill_pddl.execution.runner import SkillRun
 from symskill_pddl.geometry import Pose
-from symskill_pddl.scene import Scene
 from symskill_pddl.skills import Skill, Superellipsoids
 
 CONFIG = MotionConfig()
@@ -143,33 +142,6 @@ def test_an_obstacle_around_the_goal_is_ignored():
     ball = Superellipsoids(Pose([world.cheese.p], [[1.0, 0, 0, 0]]), np.full((1, 3), 0.2), np.zeros((1, 3)))
     run = SkillRun(PICK, BINDING, world.observe(), CONFIG, obstacles=lambda scene: ball)
     assert drive(world, run, until=lambda m: m.stage == 2)[-1].stage == 2
-
-
-def test_obstacles_are_the_small_things_one_has_nothing_to_do_with():
-    scene: Scene = FakeWorld().observe()
-    extents = {"food": (0.03, 0.02, 0.02), "door": (0.2, 0.01, 0.2), "counter": (0.1, 0.1, 0.1)}
-    found = Obstacles(OBJECTS, extents, frozenset({"counter"}), CONFIG)(scene)
-    assert len(found) == 1
-    assert np.allclose(found.T_world.p, scene.pose("cheese").p)
-    assert np.all(found.radii > np.array(extents["food"]) + CONFIG.obstacle_clearance)
-    assert np.all(found.velocity == 0)
-    assert len(Obstacles(OBJECTS, extents, frozenset(OBJECTS), CONFIG)(scene)) == 0
-    velocities = np.array([[0.1, 0, 0], *np.zeros((3, 3))])
-    moving = Obstacles(OBJECTS, extents, frozenset({"counter"}), CONFIG, lambda: velocities)(scene)
-    assert np.allclose(moving.velocity, [[0.1, 0, 0]])
-
-
-def test_around_a_strange_thing_the_whole_hand_counts():
-    scene = FakeWorld(ee=Pose([0.4, -0.4, 0.3], DOWN)).observe()
-    extents = {"food": (0.02, 0.02, 0.02)}
-    # beside the wrist: 10 cm above the finger tips, 12 cm to the side along the opening of the fingers
-    y = scene.T_world_ee.rotate(np.array([0, 1.0, 0]))
-    scene = replace(scene, T_world_objects=Pose.stack([Pose(scene.T_world_ee.p + [0, 0, 0.1] + 0.12 * y, [1.0, 0, 0, 0])] * 4))
-    known = Obstacles(OBJECTS, extents, frozenset(), CONFIG)(scene)
-    strange = Obstacles(OBJECTS, extents, frozenset(), CONFIG, whole_hand=True)(scene)
-    assert np.allclose(known.T_world.p - scene.T_world_ee.p, [0, 0, 0.1] + 0.12 * y)
-    # 12 cm to the side less half of the hand's width
-    assert np.allclose(strange.T_world.p - scene.T_world_ee.p, 0.04 * y)
 
 
 def test_an_unbound_frame_is_refused():

@@ -1,0 +1,111 @@
+"""Around what was never shown, and back to the shown way.
+
+A field leads to its goal from everywhere, but only along the demonstrated way does the hand clear what stands around that way,
+the sides of a cabinet for instance. So a hand that has to leave the way for an obstacle does not follow the field from wherever
+it has got to. It goes to where the way comes out behind the obstacle; it waits where the way does not come out (the obstacle is
+on the goal) or where that cannot be got to; and when the obstacle is gone it comes back to where it left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from symskill_pddl.execution.around import Strangers
+from symskill_pddl.execution.recovery import servo
+from symskill_pddl.geometry import Array, Pose, rotation_distance
+from symskill_pddl.scene import Scene
+from symskill_pddl.skills import Field, rollout
+
+_AHEAD_S, _WAY_S, _STEP_S = 0.5, 10.0, 0.1
+"""How far the field is followed in thought [s]: to see whether it leads into something, and where it comes out again."""
+_FREE = 1.1
+"""Level of a place to go to: on the surface itself the last bit of the way there would take for ever."""
+_NEAR_M, _NEAR_RAD = 0.02, 0.15
+"""Within these of the shown way the hand is on it."""
+_STUCK_S = 1.0
+"""A hand that rests this long on a detour has met something that nobody told it of."""
+_GAIN = 4.0
+"""Pull to a place [1/s], up to the field's own speeds."""
+
+
+@dataclass(frozen=True, eq=False)
+class Led:
+    """A twist (6,) in world axes, the place it leads to (None: the field's goal), and whether the hand waits."""
+
+    twist: Array
+    target: Pose | None = None
+    waits: bool = False
+
+
+class Detour:
+    """Leads the hand where a field cannot. One for each run of a field."""
+
+    def __init__(self, strangers: Strangers) -> None:
+        self._strangers = strangers
+        self._left: Pose | None = None
+        """Where the hand left the way, in the field's frame: objects may move, and their fields with them."""
+        self._blocked = self._stuck = False
+        self._since = 0.0
+        """Since when the hand has been led to the same end [s]."""
+
+    def __call__(self, field: Field, T_world_field: Pose, nominal: Array, scene: Scene, rest_s: float) -> Led:
+        """What the field's twist `nominal` (6,) becomes; `rest_s` is how long the hand has been at rest [s]."""
+        hand = scene.T_world_ee
+        T_field_hand = T_world_field.inverse() @ hand
+        if self._left is None:
+            if self._strangers.levels(scene, _way(field, T_world_field, T_field_hand, _AHEAD_S)).min() >= 1.0:
+                return Led(nominal)
+            self._left, self._blocked = T_field_hand, False
+            self._since, self._stuck = scene.time, False
+        way = _way(field, T_world_field, self._left, _WAY_S)
+        levels = self._strangers.levels(scene, way)
+        entry = _first(levels < 1.0, 0)
+        out = _first(levels >= _FREE, entry) if entry < len(levels) else 0
+        if _on(hand, way[out : _first(levels < 1.0, out)]):
+            self._left = None
+            return Led(nominal)
+        if (entry < len(levels)) != self._blocked:
+            self._blocked, self._stuck, self._since = not self._blocked, False, scene.time
+        self._stuck |= min(rest_s, scene.time - self._since) > _STUCK_S
+        if out < len(levels) and not self._stuck:
+            return Led(self._to(way[out], hand, field), way[out])
+        if not self._blocked:
+            # nothing is in the way any more, and the hand does not get back to it: the field leads on from here
+            self._left = None
+            return Led(nominal)
+        return self._wait(way[entry - 1] if entry else None, hand, field, scene)
+
+    def _wait(self, place: Pose | None, hand: Pose, field: Field, scene: Scene) -> Led:
+        """In front of the obstacle, or just outside it where it came upon the hand."""
+        if place is not None:
+            return Led(self._to(place, hand, field), place, waits=True)
+        twist, near = np.zeros(6), self._strangers(scene)
+        levels = near.levels(hand.p)
+        if levels.min() < 1.0:
+            away = hand.p - near.T_world.p[int(levels.argmin())]
+            twist[:3] = field.position.max_speed / max(float(np.linalg.norm(away)), 1e-9) * away
+        return Led(twist, waits=True)
+
+    def _to(self, place: Pose, hand: Pose, field: Field) -> Array:
+        speed, turn = field.position.max_speed, field.orientation.lpv.max_speed
+        return servo(hand, place, gain=_GAIN, max_speed=speed, max_turn=turn)
+
+
+def _way(field: Field, T_world_field: Pose, T_field_hand: Pose, seconds: float) -> Pose:
+    """Where the field leads from a hand: poses (steps + 1,) in the world."""
+    return T_world_field @ rollout(field, Pose.stack([T_field_hand]), seconds, _STEP_S)[0]
+
+
+def _first(holds: NDArray[np.bool_], start: int) -> int:
+    """The first index from `start` on where it holds, or the length."""
+    found = np.flatnonzero(holds[start:])
+    return start + int(found[0]) if len(found) else len(holds)
+
+
+def _on(hand: Pose, way: Pose) -> bool:
+    """Whether the hand is on a part (n,) of the way."""
+    close = (np.linalg.norm(way.p - hand.p, axis=-1) < _NEAR_M) & (rotation_distance(way, hand) < _NEAR_RAD)
+    return bool(close.any())
