@@ -131,7 +131,8 @@ class Watch:
     inherited : State
         Deletes of earlier steps that were pending when this one started: to be brought about, and judged, here.
     assumed : State
-        Atoms the planner was told without being observed; preconditions may rest on them, and nothing protects them.
+        Atoms the planner was told without being observed; preconditions may rest on them until something else is seen, and
+        nothing protects them.
     phases, exit_s
         Number of the skill's phases, and how long the last one lasted in the demonstrations [s].
     budget_s, grace_s, stall_s, blocked_s
@@ -265,6 +266,8 @@ def check_start(watch: Watch, state: State) -> Continue | EffectsHold | JumpAhea
         return EffectsHold(f"{_text(watch.step.add)} held before the step began")
     if target := _arrived(watch, state):
         return JumpAhead(target.index, f"everything up to step {target.index + 1} has come about")
+    if refuted := _refuted(watch, state):
+        return refuted
     if missing := watch.step.pre - state - watch.assumed:
         return Violation(Kind.PRECONDITION, tuple(sorted(missing)), Blame.EXTERNAL, f"the step needs {_text(missing)}")
     if present := watch.step.absent & (state - watch.inherited):
@@ -286,10 +289,10 @@ def judge(watch: Watch, tick: Tick, memory: Memory) -> Judgement:
     1. effects hold: finished, once the fingers rest and the exit is over;
     2. a later point of the plan is reached: jump there;
     3. a protected atom fell: violation (a gripper relation blames the step that acquired it, anything else is external);
+       likewise an assumption that the step rests on, once the thing is seen to be elsewhere;
     4. a deleted atom fell and the effects did not follow within the grace time: violation. A gripper relation lost while the
-    fingers
-       were told to hold is a lost grasp and blames the acquiring step; what follows from the step's own release or closing
-       blames the step; anything else is external;
+       fingers were told to hold is a lost grasp and blames the acquiring step; what follows from the step's own release or
+       closing blames the step; anything else is external;
     5. the nominal twist has been small for a while: stalled; or it has not, and yet the hand does not move: blocked;
     6. the time budget is used up: over time.
 
@@ -331,6 +334,8 @@ def _decide(watch: Watch, tick: Tick, memory: Memory) -> Verdict:
         blame = Blame.ACQUIRING if grasp else Blame.EXTERNAL
         kind = Kind.LOST_GRASP if grasp else Kind.PROTECTED
         return Violation(kind, tuple(sorted(missing)), blame, f"{_text(missing)} fell and is protected")
+    if not tick.settling and (refuted := _refuted(watch, tick.state)):
+        return refuted
     late = tuple(a for a, since in memory.fallen if tick.now_s - since > watch.grace_s)
     if late and not tick.settling:
         return _late(watch, tick, late)
@@ -344,6 +349,16 @@ def _decide(watch: Watch, tick: Tick, memory: Memory) -> Verdict:
     if over:
         return OverTime(f"{elapsed:.1f} s of {watch.budget_s:.1f} s used without {_text(_unmet(watch, tick.state))}")
     return Continue("under way")
+
+
+def _refuted(watch: Watch, state: State) -> Violation | None:
+    """An assumption that the step rests on, and does not itself undo: it was made of a thing in no relation, and one is seen."""
+    for atom in sorted(watch.step.pre & watch.assumed - watch.must_fall - state):
+        seen = frozenset(a for a in state - watch.step.add if a.args[:1] == atom.args[:1] and a.predicate not in watch.gripper)
+        if seen:
+            text = f"{_text(seen)} is seen, where {_text(atom)} was assumed"
+            return Violation(Kind.PRECONDITION, (atom,), Blame.EXTERNAL, text)
+    return None
 
 
 def _late(watch: Watch, tick: Tick, atoms: tuple[Atom, ...]) -> Violation:

@@ -243,6 +243,46 @@ class TestViolation:
         assert isinstance(last(w, tick(1.0, HELD, closing=True), tick(5.0, HELD, closing=True)), Continue)
 
 
+class TestAssumption:
+    """That x stands at the counter, where it stands in no known relation."""
+
+    NOWHERE = atoms("gripper-open", "open door")
+    ELSEWHERE = NOWHERE | atoms("in x cabinet")
+
+    def assuming(self, step=PICK):
+        return watch(step, state=self.NOWHERE, assumed="at x counter")
+
+    def test_it_stands_while_nothing_else_is_seen(self):
+        assert last(self.assuming(), tick(state=self.NOWHERE), tick(5.0, self.NOWHERE)) == Continue("under way")
+
+    def test_it_is_dropped_at_once_when_the_thing_is_seen_elsewhere(self):
+        found = last(self.assuming(), tick(state=self.NOWHERE), tick(0.15, self.ELSEWHERE))
+        assert (found.kind, found.blame, found.atoms) == (Kind.PRECONDITION, Blame.EXTERNAL, tuple(atoms("at x counter")))
+        assert found.reason == "(in x cabinet) is seen, where (at x counter) was assumed"
+
+    def test_also_after_it_was_seen_to_be_true(self):
+        assert last(self.assuming(), tick(state=AT_COUNTER), tick(0.15, self.ELSEWHERE)).kind is Kind.PRECONDITION
+
+    def test_not_while_it_is_seen_to_be_true_as_well(self):
+        assert last(self.assuming(), tick(state=AT_COUNTER | atoms("in x cabinet"))) == Continue("under way")
+
+    def test_not_because_of_another_thing_or_the_hand(self):
+        assert last(self.assuming(), tick(state=self.NOWHERE | atoms("in y cabinet"))) == Continue("under way")
+        closing = atoms("holds x", "gripper-open", "open door")
+        assert last(self.assuming(), tick(state=closing)) == Continue("under way")
+
+    def test_not_while_the_fingers_move(self):
+        assert last(self.assuming(), tick(state=self.ELSEWHERE, settling=True)) == Continue("under way")
+
+    def test_not_where_the_step_itself_moves_the_thing(self):
+        push = op("push", "at x counter", "in x cabinet", "at x counter")
+        assert last(self.assuming(push), tick(state=self.NOWHERE | atoms("at x table"))) == Continue("under way")
+
+    def test_not_where_the_step_does_not_rest_on_it(self):
+        other = op("close", "open door", "shut door", "open door")
+        assert last(self.assuming(other), tick(state=self.ELSEWHERE)) == Continue("under way")
+
+
 class TestRest:
     def test_stall(self):
         found = verdicts(watch(), *(tick(t, speed=0.0) for t in (1.0, 1.4, 1.5)))
@@ -285,6 +325,11 @@ class TestStart:
         found = check_start(watch(PLACE, assumed="open door"), atoms("holds x"))
         assert isinstance(found, Continue)
         assert "assuming (open door)" in found.reason
+
+    def test_an_assumption_is_not_rested_on_where_something_else_is_seen(self):
+        found = check_start(watch(PLACE, assumed="open door"), atoms("holds x", "shut door"))
+        assert (found.kind, found.blame, found.atoms) == (Kind.PRECONDITION, Blame.EXTERNAL, tuple(atoms("open door")))
+        assert found.reason == "(shut door) is seen, where (open door) was assumed"
 
     def test_forbidden_atom(self):
         found = check_start(watch(PLACE), HELD | atoms("gripper-open"))
