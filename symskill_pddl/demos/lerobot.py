@@ -21,6 +21,7 @@ from symskill_pddl.errors import FormatError, InputError, MissingDependencyError
 from symskill_pddl.geometry import Array
 
 T = TypeVar("T")
+HOW = "pip install 'symskill-pddl[lerobot]'"
 
 
 def is_lerobot(path: str | Path) -> bool:
@@ -109,7 +110,7 @@ def _actions(folder: Path, index: int, fail: Callable[[str], FormatError]) -> Ar
         import pyarrow.parquet as parquet
         from pyarrow import ArrowException
     except ImportError as error:
-        raise MissingDependencyError("LeRobot datasets are read with pyarrow: pip install 'symskill-pddl[lerobot]'") from error
+        raise MissingDependencyError(f"LeRobot datasets are read with pyarrow: {HOW} ({error})") from error
     own = sorted(folder.glob(f"data/*/episode_{index:06d}.parquet"))
     shared = [] if own else sorted(folder.glob("data/*/file-*.parquet"))
     found = []

@@ -96,7 +96,8 @@ def read_recording(path: str | Path, make: Callable[[Recorded], T]) -> tuple[T, 
     path = Path(path)
     if not path.is_file():
         raise InputError(
-            f"'{path}' {'is a folder' if path.is_dir() else 'does not exist'}; expected a robosuite or robomimic HDF5 recording"
+            f"'{path}' {'is a folder without meta/info.json' if path.is_dir() else 'does not exist'}; "
+            "expected an HDF5 recording of robosuite, robomimic or RoboCasa, or the folder of a LeRobot dataset"
         )
     try:
         with h5py.File(path, "r") as file:
