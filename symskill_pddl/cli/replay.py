@@ -14,8 +14,9 @@ from symskill_pddl.cli.options import JsonFlag
 from symskill_pddl.errors import FormatError, InputError
 
 if TYPE_CHECKING:
+    from symskill_pddl.execution.lines import GroundStep, PlanLine, StepLine, VerdictLine
     from symskill_pddl.execution.replay import Replayed
-    from symskill_pddl.execution.trace import GroundStep, PlanLine, StepLine, Trace, VerdictLine
+    from symskill_pddl.execution.trace import Trace
 
 
 @dataclass(frozen=True)

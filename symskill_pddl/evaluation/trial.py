@@ -16,9 +16,10 @@ from symskill_pddl.evaluation.posed import placed, unlike
 from symskill_pddl.evaluation.results import EpisodeResult, count
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.executor import execute
+from symskill_pddl.execution.lines import Header, NoteLine
 from symskill_pddl.execution.outcome import Category, Cause, Outcome
 from symskill_pddl.execution.recovery import Assumption, nearest_symbols
-from symskill_pddl.execution.trace import Header, NoteLine, TraceWriter
+from symskill_pddl.execution.trace import TraceWriter
 from symskill_pddl.library import Library
 from symskill_pddl.pddl import Names, read_atoms
 from symskill_pddl.planning import Planner

@@ -27,9 +27,9 @@ from symskill_pddl.execution.belief import Belief
 from symskill_pddl.execution.body import Body
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.journal import Journal
+from symskill_pddl.execution.lines import PlanLine, rows
 from symskill_pddl.execution.ordering import one_by_one
 from symskill_pddl.execution.recovery import StepKey, nearest_symbols, other_face
-from symskill_pddl.execution.trace import PlanLine, rows
 from symskill_pddl.geometry import Pose
 from symskill_pddl.library import Library
 from symskill_pddl.planning import Builtin, Limits, Planner, PlanResult, Session, Status, explain, nearest_goal, session

@@ -20,6 +20,7 @@ from symskill_pddl.execution.causes import cause_of, cause_of_run
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.deliberation import Deliberation, Planned
 from symskill_pddl.execution.journal import Journal
+from symskill_pddl.execution.lines import Header, OutcomeLine, TimesLine, rows, step_line, tick_line
 from symskill_pddl.execution.monitor import (
     Blame,
     Continue,
@@ -41,7 +42,7 @@ from symskill_pddl.execution.preparation import Preparation
 from symskill_pddl.execution.recovery import key_of
 from symskill_pddl.execution.runner import Motion, SkillRun
 from symskill_pddl.execution.timing import spreads
-from symskill_pddl.execution.trace import Header, OutcomeLine, TimesLine, TraceWriter, rows, step_line, tick_line
+from symskill_pddl.execution.trace import TraceWriter
 from symskill_pddl.library import Library
 from symskill_pddl.planning import Planner
 from symskill_pddl.scene import GRIPPER, Scene, World

@@ -13,8 +13,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from symskill_pddl.errors import InputError
+from symskill_pddl.execution.lines import StepLine, TickLine, VerdictLine, load_watch, unrows
 from symskill_pddl.execution.monitor import Blame, Watch, only_clearance_lacks
-from symskill_pddl.execution.trace import StepLine, TickLine, Trace, VerdictLine, load_watch, unrows
+from symskill_pddl.execution.trace import Trace
 from symskill_pddl.library import Experience, LearnedOperator, Library
 from symskill_pddl.symbols import Atom, State
 

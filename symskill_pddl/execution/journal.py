@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from symskill_pddl.execution.lines import RecoveryLine
 from symskill_pddl.execution.monitor import Verdict
 from symskill_pddl.execution.outcome import Cause, StepRecord
-from symskill_pddl.execution.trace import RecoveryLine, TraceWriter
+from symskill_pddl.execution.trace import TraceWriter
 from symskill_pddl.symbols import GroundOperator
 
 

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from symskill_pddl.errors import FormatError
+from symskill_pddl.execution.lines import StepLine, TickLine, VerdictLine, load_tick, load_watch, unrows, verdict_line
 from symskill_pddl.execution.monitor import Memory, check_start, judge
-from symskill_pddl.execution.trace import StepLine, TickLine, Trace, VerdictLine, load_tick, load_watch, unrows, verdict_line
+from symskill_pddl.execution.trace import Trace
 from symskill_pddl.symbols import Atom
 
 

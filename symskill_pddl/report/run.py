@@ -5,17 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from symskill_pddl.execution.lines import NoteLine, PlanLine, RecoveryLine, Row, StepLine, TickLine, VerdictLine
 from symskill_pddl.execution.timing import AGAIN, FIRST, STAGES, TICK, spreads
-from symskill_pddl.execution.trace import (
-    NoteLine,
-    PlanLine,
-    RecoveryLine,
-    Row,
-    StepLine,
-    TickLine,
-    Trace,
-    VerdictLine,
-)
+from symskill_pddl.execution.trace import Trace
 
 TONES = {
     "EffectsHold": "good",

@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from symskill_pddl.execution.trace import GroundStep, Header, StepLine, TickLine, TraceWriter, VerdictLine
+from symskill_pddl.execution.lines import GroundStep, Header, StepLine, TickLine, VerdictLine
+from symskill_pddl.execution.trace import TraceWriter
 from symskill_pddl.library import Experience, Library
 
 

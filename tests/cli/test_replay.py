@@ -9,8 +9,9 @@ from typing import Any
 
 import pytest
 
+from symskill_pddl.execution.lines import Header, OutcomeLine, PlanLine, RecoveryLine, step_line, tick_line
 from symskill_pddl.execution.monitor import Memory, Tick, Watch, check_start, judge
-from symskill_pddl.execution.trace import Header, OutcomeLine, PlanLine, RecoveryLine, TraceWriter, step_line, tick_line
+from symskill_pddl.execution.trace import TraceWriter
 from symskill_pddl.symbols import Atom, GroundOperator, State
 
 

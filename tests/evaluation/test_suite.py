@@ -8,7 +8,8 @@ from symskill_pddl.evaluation.results import EpisodeResult
 from symskill_pddl.evaluation.spread import Processes
 from symskill_pddl.evaluation.suite import ERROR, Suite, chosen, presets, run_one, run_suite, tasks_named
 from symskill_pddl.execution.config import ExecutionConfig, MotionConfig
-from symskill_pddl.execution.trace import Header, TraceWriter, read_trace
+from symskill_pddl.execution.lines import Header
+from symskill_pddl.execution.trace import TraceWriter, read_trace
 from symskill_pddl.kitchen import TASKS
 from symskill_pddl.kitchen.arena import ARENA
 from symskill_pddl.kitchen.disturbances import KINDS

@@ -4,6 +4,7 @@ import pytest
 from fake_world import atoms
 
 from symskill_pddl.errors import FormatError, InputError
+from symskill_pddl.execution.lines import Header, OutcomeLine, load_tick, load_watch, step_line, tick_line, verdict_line
 from symskill_pddl.execution.monitor import (
     Blame,
     Continue,
@@ -17,17 +18,7 @@ from symskill_pddl.execution.monitor import (
     Watch,
 )
 from symskill_pddl.execution.replay import replay
-from symskill_pddl.execution.trace import (
-    Header,
-    OutcomeLine,
-    TraceWriter,
-    load_tick,
-    load_watch,
-    read_trace,
-    step_line,
-    tick_line,
-    verdict_line,
-)
+from symskill_pddl.execution.trace import TraceWriter, read_trace
 from symskill_pddl.symbols import GroundOperator
 
 STEP = GroundOperator("pick", ("x",), atoms("a x"), atoms("holds x"), atoms("a x"), atoms("b"), atoms("c x y"), 2.5)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from symskill_pddl.abstraction import Classifier
-from symskill_pddl.execution.trace import (
+from symskill_pddl.execution.lines import (
     GroundStep,
     Header,
     NoteLine,
@@ -14,9 +14,9 @@ from symskill_pddl.execution.trace import (
     RecoveryLine,
     StepLine,
     TickLine,
-    Trace,
     VerdictLine,
 )
+from symskill_pddl.execution.trace import Trace
 from symskill_pddl.geometry import Pose
 from symskill_pddl.library import Evidence, Goal, LearnedOperator, Library
 from symskill_pddl.scene import GRIPPER

@@ -1,6 +1,7 @@
 import pytest
 
-from symskill_pddl.execution.trace import Header, StepLine, Trace
+from symskill_pddl.execution.lines import Header, StepLine
+from symskill_pddl.execution.trace import Trace
 from symskill_pddl.report.run import view_run
 from symskill_pddl.report.timeline import LABEL, RIGHT, WIDTH, timeline
 
