@@ -1,4 +1,5 @@
-"""Whether there is room for an arm on the outer side of an open door, where another door, a fridge or a wall may be."""
+"""Whether there is room for an arm beside an open door: on its outer side, where another door, a fridge or a wall may be, and
+on its inner side for the hand, which is 20 cm wide."""
 
 from __future__ import annotations
 
@@ -12,6 +13,8 @@ from symskill_pddl.robocasa.view import View
 ROBOT = ("robot0", "mobilebase0")
 FROM_HINGE_M, BESIDE_M, HEIGHT_M = (0.05, 0.35), (0.06, 0.30), (0.35, 0.85)
 """The room an arm needs: along the open door, away from its outer side, and above the arm's base."""
+FROM_DOOR_M, FROM_SIDE_M = 0.15, 0.12
+"""How far from the hinge, and from the handle's place on the other side, something is that a hand gets to from in front."""
 
 
 def free_beside(m: Model, view: View, door: Jointed, body: int) -> bool:
@@ -25,6 +28,13 @@ def free_beside(m: Model, view: View, door: Jointed, body: int) -> bool:
     own, root = int(m.model.body_rootid[body]), m.model.body_rootid
     others = [b for b in range(m.model.nbody) if root[b] != own and not m.model.body(root[b]).name.startswith(ROBOT)]
     return not any(_within(*_seen_box(m, view, g), low, high) for g in m.touchable(others))
+
+
+def hand_fits(door: Jointed, p_world: Array) -> bool:
+    """Whether a hand gets to a point (3,) between a door that is open at a right angle and the cabinet's other side."""
+    hinge, y = door.pivot[1], float(door.T_world_home.inverse().apply(p_world)[1])
+    from_hinge, from_handle = (y - hinge) * -np.sign(hinge), y * np.sign(hinge)
+    return bool(from_hinge > FROM_DOOR_M and from_handle > FROM_SIDE_M)
 
 
 def _seen_box(m: Model, view: View, geom: int) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.panda.arm import OPEN_APERTURE, Arm, limited
 from symskill_pddl.robocasa.backend import load_mujoco
-from symskill_pddl.robocasa.beside import free_beside
+from symskill_pddl.robocasa.beside import free_beside, hand_fits
 from symskill_pddl.robocasa.environment import ATTEMPTS, draw, tune
 from symskill_pddl.robocasa.tasks import Split, TaskSpec
 from symskill_pddl.robocasa.things import NoRoomError, look
@@ -94,6 +94,10 @@ class RoboCasaWorld:
             Model(load_mujoco(), self.arm.model, self.arm.data), self.view, self.part(name), self.moving[name].tracked.body
         )
 
+    def hand_fits(self, name: str, door: str) -> bool:
+        """Whether a hand gets to a thing behind a door when that is open."""
+        return hand_fits(self.part(door), self.observe().pose(name).p)
+
     def travel(self, name: str) -> float:
         """How far a part can be opened [rad] or [m]."""
         return self.moving[name].travel
@@ -140,8 +144,9 @@ def open_world(spec: TaskSpec, seed: int, split: Split = "target") -> RoboCasaWo
             world = RoboCasaWorld(spec, draw(spec, rng, split))
         except NoRoomError:
             continue
-        if not spec.closes or world.free_beside("door"):
-            return world
-    raise InputError(
-        f"no kitchen of RoboCasa in {ATTEMPTS} draws in which an arm gets to the outer side of the door, seed {seed}"
-    )
+        if spec.closes and not world.free_beside("door"):
+            continue
+        if spec.closes and spec.carried and not world.hand_fits(spec.focus[0], "door"):
+            continue
+        return world
+    raise InputError(f"no kitchen of RoboCasa in {ATTEMPTS} draws in which an arm gets to both sides of the door, seed {seed}")
