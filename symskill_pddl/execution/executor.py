@@ -250,7 +250,10 @@ class _Run:
                     self.by_itself = isinstance(check, Continue)
                     if isinstance(verdict, Stalled) and verdict.blocked:
                         self.belief.held_up(watch.step, run.stage)
-                        self.mind.retreat(verdict.reason, entry)
+                        if self.preparation.bound(watch.step):
+                            self.mind.open_up(verdict.reason)
+                        else:
+                            self.mind.retreat(verdict.reason, entry)
                     if self.try_again(watch, verdict):
                         continue
                     return f"{watch.step}: {verdict.reason}"

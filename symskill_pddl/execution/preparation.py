@@ -41,7 +41,7 @@ class Preparation:
         learned = self._library.learned(step.name)
         skill = self._library.skills[learned.skill]
         binding = dict(zip((p.name for p in learned.operator.parameters), step.args, strict=True))
-        first = self._begin_otherwise(step, skill, binding, planned.assumed)
+        first = 0 if self.bound(step) else self._begin_otherwise(step, skill, binding, planned.assumed)
         state = self._body.state
         attempt = self._belief.failures.count(key_of(step))
         shift = None
@@ -81,6 +81,10 @@ class Preparation:
             still_turn=config.still_turn,
         )
         return watch, run, attempt
+
+    def bound(self, step: GroundOperator) -> bool:
+        """Whether the hand holds what is hinged or slides: neither goes anywhere else, and back would undo what is done."""
+        return self._library.learned(step.name).kind == "move" and self._body.scene.gripper_closed
 
     def _obstacles(self, step: GroundOperator) -> tuple[Obstacles | None, Strangers | None]:
         """What the hand flows around: things of types that were shown, and others, which the whole hand keeps away from."""

@@ -282,6 +282,26 @@ class TestFailures:
         assert outcome.recoveries == ("recover-retreat", "recover-approach")
         assert outcome.troubles == (Cause.MOTION,)
 
+    def test_a_blocked_hand_that_holds_a_door_lets_go(self):
+        world = FakeWorld()
+        free = world.step
+
+        def walled(command):
+            before = world.ee
+            scene = free(command)
+            if world.on_door and world.angle > 0.6:
+                world.ee = before
+                scene = world.observe()
+            return scene
+
+        world.step = walled
+        outcome = run(world, config=ExecutionConfig(max_replans=0))
+        assert verdicts(outcome)[-1] == "Stalled"
+        # going back along its path it would shut the door again
+        assert outcome.recoveries == ("recover-open",)
+        assert world.angle > 0.6
+        assert not world.on_door
+
     def test_time_limit(self):
         world = FakeWorld()
         world.frozen = True
