@@ -77,10 +77,19 @@ class Belief:
         if self.blocked.pop(key, None) is None:
             self.blocked[key] = stage
 
+    def slipped_off(self, watch: Watch, verdict: Verdict) -> bool:
+        """Whether the open hand has lost what it pushes: nothing held on to it, and no fingers let go of it."""
+        if not (isinstance(verdict, Violation) and verdict.blame is Blame.OWN):
+            return False
+        return Atom(GRIPPER_OPEN) in watch.start_state and any(a.predicate in self.gripper for a in verdict.atoms)
+
     def blame(self, watch: Watch, verdict: Verdict) -> None:
         """Enter a verdict into the failure memory."""
         guilty: list[GroundOperator] = []
         match verdict:
+            case Violation(atoms=atoms) if self.slipped_off(watch, verdict):
+                # got hold of badly, or pushed badly: nobody can tell which
+                guilty = [watch.step, *(self._acquired[a] for a in atoms if a in self._acquired)]
             case Stalled() | OverTime() | Violation(blame=Blame.OWN):
                 guilty = [watch.step]
             case Violation(blame=Blame.ACQUIRING, atoms=atoms):

@@ -177,7 +177,7 @@ class Deliberation:
         self._journal.recovered("recover-open", reason, _ended(arrived), begin)
 
     def clear(self, reason: str) -> None:
-        """The fingers have let go and the hand is still too near: back off along its own axis."""
+        """The open hand is too near to what it let go of, or behind what it slipped off: back off along its own axis."""
         begin = self._body.now
         arrived = self._body.back_off(self._config.back_off_m)
         self._journal.recovered("recover-clear", reason, _ended(arrived), begin)

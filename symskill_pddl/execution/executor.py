@@ -254,6 +254,9 @@ class _Run:
                             self.mind.open_up(verdict.reason)
                         else:
                             self.mind.retreat(verdict.reason, entry)
+                    if self.belief.slipped_off(watch, verdict):
+                        # no demonstration sets out from behind what the hand has slipped off
+                        self.mind.clear(verdict.reason)
                     if self.try_again(watch, verdict):
                         continue
                     return f"{watch.step}: {verdict.reason}"

@@ -78,7 +78,7 @@ def goal_shift(
 
     For an effect between objects (a place) a pose of the moved object in the reference is sampled and composed with the
     present grasp ``T_obj_ee``, which also corrects a grasp that differs from the demonstrated ones. For a gripper relation (a
-    pick, a reach) the deviation of a sampled hand pose from the predicate's mean is applied.
+    pick, a reach), and where the open hand pushes, the deviation of a sampled pose from the predicate's mean is applied.
 
     Parameters
     ----------
@@ -105,7 +105,8 @@ def goal_shift(
             continue
         goal = skill.phases[place]
         sample = classifier.sample(rng, radius=radius)
-        if grasp:
+        if grasp or not goal.close_gripper:
+            # an open hand has no grasp to compose with: where it is on the object changes as it pushes on
             return goal.frame, sample @ classifier.T_mean.inverse()
         T_obj_ee = scene.pose(atom.args[0]).inverse() @ scene.T_world_ee
         shown = goal.field.T_goal @ T_obj_ee.inverse()

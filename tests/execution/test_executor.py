@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_world import CABINET, COUNTER, DOWN, HOME, OBJECTS, FakeWorld, at, atoms, handle, make_library, phase
+from fake_world import CABINET, COUNTER, DOWN, HINGE, HOME, OBJECTS, FakeWorld, at, atoms, handle, make_library, operator, phase
 
 from symskill_pddl.errors import InputError, MissingDependencyError
 from symskill_pddl.execution.config import ExecutionConfig, MotionConfig
@@ -11,6 +11,7 @@ from symskill_pddl.execution.outcome import Category, Cause
 from symskill_pddl.execution.replay import replay
 from symskill_pddl.execution.trace import TraceWriter, read_trace
 from symskill_pddl.geometry import Pose
+from symskill_pddl.library import LearnedOperator
 from symskill_pddl.planning import Builtin, get
 from symskill_pddl.scene import Command
 from symskill_pddl.skills import Skill
@@ -51,6 +52,38 @@ def without(library, *operators):
 
 
 ALL = ["reach-closed-door", "open-door", "pick-from-counter", "place-in-cabinet"]
+
+
+class Slippery(FakeWorld):
+    """An open hand at the handle pushes the door, but slips off the first time."""
+
+    slips = 1
+
+    def _fingers(self, close):
+        super()._fingers(close)
+        near = np.linalg.norm(handle(self.angle).p - self.ee.p) < 0.04
+        self.on_door = near and not self.slips
+        behind = (self.ee.p - handle(self.angle).p) @ handle(self.angle).rotate([1.0, 0.0, 0.0]) > 0.1
+        if self.slips and behind and abs(self.ee.p[2] - HINGE[2]) < 0.02:
+            self.slips -= 1
+
+
+def pushing():
+    """A library that shuts the door with the open hand."""
+    shut = tuple(phase("?cabinet", Pose(handle(a).p - CABINET, DOWN), False) for a in (1.0, 0.5, 0.0))
+    retreat = phase("?cabinet", Pose(handle(0.0).p - CABINET + [0, 0, 0.15], DOWN), False)
+    skills = {"reach": replace(LIBRARY.skills["reach-door"], close_gripper_at_end=False), "push": Skill((*shut, retreat), False)}
+    at_door, free = "gripper-holds-door ?door", "gripper-open"
+    opened, closed = "door-open ?door ?cabinet", "door-closed ?door ?cabinet"
+    table = (
+        ("reach-open-door", "reach", "reach", {free, opened}, {at_door}, {opened}, {free, opened}),
+        ("push-door", "move", "push", {free, at_door}, {closed}, {at_door}, {free, at_door}),
+    )
+    operators = tuple(
+        LearnedOperator(operator(name, "door cabinet", *sets, ()), atoms(*sets[0]), skill, kind, (), (4.0, 5.0))
+        for name, kind, skill, *sets in table
+    )
+    return replace(LIBRARY, operators=operators, skills=skills)
 
 
 class TestSuccess:
@@ -229,6 +262,19 @@ class TestFailures:
         assert outcome.success
         assert outcome.recoveries == ("recover-clear",)
         assert verdicts(outcome) == ["EffectsHold", "Stalled"]
+
+    def test_an_open_hand_that_slips_off_takes_hold_elsewhere(self):
+        world, lines = Slippery(angle=1.5), []
+        config = ExecutionConfig(stall_s=10.0)
+        outcome = run(world, atoms("door-closed door cabinet"), pushing(), config, on_event=lines.append)
+        assert outcome.success
+        assert names(outcome) == ["reach-open-door", "push-door"] * 2
+        assert verdicts(outcome) == ["EffectsHold", "Violation", "EffectsHold", "EffectsHold"]
+        # both may have been at fault, and both are tried otherwise, from where the hand is clear of the door
+        assert [s.attempt for s in outcome.steps] == [0, 0, 1, 1]
+        assert [line.shift is not None for line in lines if line.event == "step"] == [False, False, True, True]
+        assert outcome.recoveries == ("recover-clear",)
+        assert outcome.troubles == (Cause.GRASP,)
 
     def test_obstacles_are_flowed_around(self):
         on_the_way = at(0.325, 0.125, 0.475)

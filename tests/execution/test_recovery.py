@@ -93,6 +93,18 @@ class TestShift:
         assert BY_NAME["gripper-holds-food"].holds(shift @ BY_NAME["gripper-holds-food"].T_mean)
         assert np.linalg.norm(shift.p) > 1e-3
 
+    def test_an_open_hand_has_no_grasp_to_compose_with(self):
+        """A lever under a finger is elsewhere under it at the end of a push: the goal moves as the lever's sample does."""
+        skill = LIBRARY.skills["open-door"]
+        pushing = replace(skill, phases=tuple(replace(p, close_gripper=False) for p in skill.phases[:3]))
+        ground, world = step("open-door", "door", "cabinet"), FakeWorld()
+        frame, shift = goal_shift(
+            ground, pushing, binding(ground), LIBRARY.classifiers, world.observe(), np.random.default_rng(0), 1e-9
+        )
+        assert frame == "?cabinet"
+        assert np.allclose(shift.p, 0.0, atol=1e-6)
+        assert rotation_distance(shift, Pose.identity()) < 1e-6
+
     def test_the_radius_bounds_the_sample(self):
         ground, scene = step("pick-from-counter", "cheese", "counter"), FakeWorld().observe()
         sizes = [np.linalg.norm(shift_of(ground, scene, radius)[1].p) for radius in (0.01, 1.0)]

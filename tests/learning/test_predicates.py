@@ -1,9 +1,10 @@
 import numpy as np
-from synthetic import EXTENTS, Recorder, facing, kitchen, move_food, record, yaw_pose
+from synthetic import EXTENTS, Recorder, facing, kitchen, move_food, open_door, record, yaw_pose
 
 from symskill_pddl.geometry import Pose
 from symskill_pddl.learning.predicates import learn_relations
 from symskill_pddl.learning.segments import segment_all
+from symskill_pddl.symbols import Predicate
 
 from .conftest import Symbols
 
@@ -38,11 +39,34 @@ def test_an_untouched_door_widens_its_cluster():
     demos = (*record("OpenSingleDoor", 4), *record("PnPCabToCounter", 4))
     with_statics = Symbols.of(demos)
     opened = with_statics.relations.places[with_statics.places.index("door-open")].shape.classifier
-    from symskill_pddl.symbols import Predicate
-
     classifier = opened(Predicate("door-open", ("door", "cabinet")), "door", "cabinet")
     for demo in demos[4:]:
         assert classifier.holds(demo.pose("cabinet")[0].inverse() @ demo.pose("door")[0])
+
+
+def test_bystanders_make_no_place_surer():
+    """Eight recordings of a door with the same food on the counter are no eight foods put there; one recording puts one down."""
+    rng = np.random.default_rng(0)
+    r = Recorder(rng, kitchen(rng, 1.6) | {"cheese": ("food", yaw_pose([0, 0, 0]))}, faults=False)
+    r.poses["cheese"] = r.poses["cabinet"] @ yaw_pose([-0.05, 0.0, -0.16])
+    put = yaw_pose([-0.1, 0.2, 0.04])
+    move_food(r, "cheese", r.poses["counter"] @ put, 0.7)
+    demos = [r.demo("demo_0", "food", "any")]
+    for k in range(8):
+        rng = np.random.default_rng(k)
+        r = Recorder(rng, kitchen(rng, 0.0) | {"bread": ("food", yaw_pose([0, 0, 0]))}, faults=False)
+        r.poses["bread"] = r.poses["counter"] @ yaw_pose([-0.1, -0.1, 0.04])
+        r.rows.clear()
+        r._record()
+        open_door(r)
+        demos.append(r.demo(f"demo_{k}", "door", "OpenSingleDoor"))
+    symbols = Symbols.of(demos)
+    place = symbols.relations.places[symbols.places.index("food-on-counter")]
+    there = place.shape.classifier(Predicate("food-on-counter", ("food", "counter")), "food", "counter")
+    # a skill puts things down a centimetre aside; where it was shown to, that is well within
+    for aside in ([0.01, 0.0, 0.0], [-0.01, 0.0, 0.0], [0.0, 0.01, 0.0]):
+        assert there.margin(Pose(put.p + aside, put.q)) > 0.2
+    assert there.holds(yaw_pose([-0.1, -0.1, 0.04]))
 
 
 def test_two_shelves_are_two_places_and_two_spots_are_one():

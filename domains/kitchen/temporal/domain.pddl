@@ -95,8 +95,8 @@
     ; not turned, give or take 2.9 x 2.9 x 2.9 deg
     ; false again beyond 1.3 times that
     (drawer-open ?drawer - drawer ?drawer-unit - drawer-unit)
-    ; food at x -7.7, y 0.0, z -21.2 cm in the cabinet's frame, give or take 5.2 x 8.5 x 1.2 cm
-    ; turned 1 deg about -z, give or take 3.9 x 3.9 x 31 deg
+    ; food at x -7.7, y 0.0, z -21.2 cm in the cabinet's frame, give or take 5.6 x 9.1 x 1.3 cm
+    ; turned 1 deg about -z, give or take 6.8 x 6.8 x 33 deg
     ; false again beyond 1.3 times that
     (food-in-cabinet ?food - food ?cabinet - cabinet)
     ; food at x -0.8, y 0.2, z 1.0 cm in the cookware's frame, give or take 5.3 x 4.0 x 1.1 cm
@@ -107,8 +107,8 @@
     ; turned 3 deg about -z, give or take 6.8 x 6.8 x 23 deg
     ; false again beyond 1.3 times that
     (food-on-container ?food - food ?container - container)
-    ; food at x -9.9, y -28.4, z 4.2 cm in the counter's frame, give or take 18 x 59 x 1.2 cm
-    ; turned 8 deg about -z, give or take 2.9 x 2.9 x 24 deg
+    ; food at x -9.9, y -28.4, z 4.2 cm in the counter's frame, give or take 19 x 63 x 1.3 cm
+    ; turned 8 deg about -z, give or take 6.8 x 6.8 x 26 deg
     ; false again beyond 1.3 times that
     (food-on-counter ?food - food ?counter - counter)
     ; knob at x -13.0, y 0.0, z 2.7 cm in the stove's frame, give or take 1.2 x 1.2 x 1.2 cm
