@@ -1,9 +1,10 @@
 """Around what was never shown, and back to the shown way.
 
 A field leads to its goal from everywhere, but only along the demonstrated way does the hand clear what stands around that way,
-the sides of a cabinet for instance. So a hand that has to leave the way for an obstacle does not follow the field from wherever
-it has got to. It goes to where the way comes out behind the obstacle; it waits where the way does not come out (the obstacle is
-on the goal) or where that cannot be got to; and when the obstacle is gone it comes back to where it left.
+the sides of a cabinet for instance. So a hand that has to leave the way for an obstacle follows the field, bent around it, only
+until nothing is ahead any more, and then goes to where the way comes out behind the obstacle. It waits where the way does not
+come out (the obstacle is on the goal) or where that cannot be got to; and when the obstacle is gone it comes back to where it
+left.
 """
 
 from __future__ import annotations
@@ -48,6 +49,8 @@ class Detour:
         self._left: Pose | None = None
         """Where the hand left the way, in the field's frame: objects may move, and their fields with them."""
         self._blocked = self._stuck = False
+        self._past = False
+        """Whether the field, bent around the obstacle, has led the hand to where nothing is ahead any more."""
         self._since = 0.0
         """Since when the hand has been led to the same end [s]."""
 
@@ -55,10 +58,11 @@ class Detour:
         """What the field's twist `nominal` (6,) becomes; `rest_s` is how long the hand has been at rest [s]."""
         hand = scene.T_world_ee
         T_field_hand = T_world_field.inverse() @ hand
+        clear = self._strangers.levels(scene, _way(field, T_world_field, T_field_hand, _AHEAD_S)).min() >= 1.0
         if self._left is None:
-            if self._strangers.levels(scene, _way(field, T_world_field, T_field_hand, _AHEAD_S)).min() >= 1.0:
+            if clear:
                 return Led(nominal)
-            self._left, self._blocked = T_field_hand, False
+            self._left, self._blocked, self._past = T_field_hand, False, False
             self._since, self._stuck = scene.time, False
         way = _way(field, T_world_field, self._left, _WAY_S)
         levels = self._strangers.levels(scene, way)
@@ -68,10 +72,11 @@ class Detour:
             self._left = None
             return Led(nominal)
         if (entry < len(levels)) != self._blocked:
-            self._blocked, self._stuck, self._since = not self._blocked, False, scene.time
+            self._blocked, self._stuck, self._since, self._past = not self._blocked, False, scene.time, False
         self._stuck |= min(rest_s, scene.time - self._since) > _STUCK_S
         if out < len(levels) and not self._stuck:
-            return Led(self._to(way[out], hand, field), way[out])
+            self._past |= clear or not self._blocked
+            return Led(self._to(way[out], hand, field), way[out]) if self._past else Led(nominal)
         if not self._blocked:
             # nothing is in the way any more, and the hand does not get back to it: the field leads on from here
             self._left = None
