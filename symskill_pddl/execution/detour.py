@@ -81,6 +81,7 @@ class Detour:
             # nothing is in the way any more, and the hand does not get back to it: the field leads on from here
             self._left = None
             return Led(nominal)
+        self._since = scene.time
         return self._wait(way[entry - 1] if entry else None, hand, field, scene)
 
     def _wait(self, place: Pose | None, hand: Pose, field: Field, scene: Scene) -> Led:
