@@ -20,10 +20,11 @@ import numpy as np
 from symskill_pddl.abstraction import groundings
 from symskill_pddl.cli.work import learn_from, shipped_demos
 from symskill_pddl.control import PassiveController
+from symskill_pddl.execution.around import Obstacles
 from symskill_pddl.execution.body import Body
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.monitor import Memory, Tick, Watch, judge
-from symskill_pddl.execution.runner import Obstacles, SkillRun
+from symskill_pddl.execution.runner import SkillRun
 from symskill_pddl.execution.timing import STAGES, TICK, Spread, spreads
 from symskill_pddl.geometry import Pose
 from symskill_pddl.library import LearnedOperator, Library

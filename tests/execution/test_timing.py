@@ -1,3 +1,8 @@
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
 from symskill_pddl.execution.timing import STAGES, Spread, percentile, spreads
 
 
@@ -20,3 +25,10 @@ def test_what_was_not_measured_is_left_out():
     assert spreads([], []) == {}
     assert set(spreads([{"abstract": 1.0}], [])) == {"tick", "abstract"}
     assert len(STAGES) == len(set(STAGES))
+
+
+def test_the_benchmark_of_a_tick_still_fits_the_code(monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "benchmarks")
+    tick = import_module("tick")
+    assert len(tick.objects(20)) == 20
+    assert tick.scene_of(5, np.random.default_rng(0)).observe().objects == tick.objects(5)
