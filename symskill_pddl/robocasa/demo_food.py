@@ -14,13 +14,16 @@ from symskill_pddl.demonstrator.hand import Hand
 from symskill_pddl.demonstrator.human import vary
 from symskill_pddl.demonstrator.poses import along, facing, moved, offset
 from symskill_pddl.geometry import Array, Pose
+from symskill_pddl.robocasa.things import SHELF_DEPTH_M
 from symskill_pddl.robocasa.world import RoboCasaWorld
 
 PITCH_DEG, FLAT_PITCH_DEG = (48.0, 52.0), (43.0, 45.0)
-SPREAD = {"counter": (0.02, 0.04), "cabinet": (0.015, 0.03), "pan": (0.01, 0.01), "plate": (0.01, 0.01)}
+SPREAD = {"counter": (0.025, 0.06), "cabinet": (0.015, 0.03), "pan": (0.01, 0.01), "plate": (0.01, 0.01)}
 """How far from the middle of a place people put something down, to either side [m]."""
 FINGERTIP_M = 0.016
 """How high above what it stands on a hand takes something at least: the fingers end below the middle of their pads."""
+CLEAR_M = 0.11
+"""How far before the front of a cabinet a hand goes down with what it brings: half of that, and room."""
 AWAY_M = 0.30
 """How far the hand goes off what it let go of."""
 
@@ -31,7 +34,9 @@ def to_counter(hand: Hand, world: RoboCasaWorld) -> None:
     grasp = pick(hand, "food", _half(world)[1], [_before(hand, world, grasp, 0.05)], grasp)
     up = moved(grasp, [0.0, 0.0, hand.rng.uniform(0.03, 0.045)])
     place = _place(hand, world, "counter", grasp, standing)
-    carry(hand, [up, vary(_before(hand, world, up, 0.02), hand.rng, 0.012), moved(place, [0.0, 0.0, 0.08])], place)
+    # straight down until the shelf's edge is well above what is carried, and only then on below the cabinet
+    out = vary(_before(hand, world, up, 0.02, CLEAR_M), hand.rng, 0.012)
+    carry(hand, [up, out, moved(out, [0.0, 0.0, -0.16]), moved(place, [0.0, 0.0, 0.08])], place)
     _leave(hand, [along(place, -AWAY_M)])
 
 
@@ -83,11 +88,11 @@ def _heading(T: Pose) -> float:
     return float(np.arctan2(forward[1], forward[0]))
 
 
-def _before(hand: Hand, world: RoboCasaWorld, T_world_ee: Pose, up_m: float) -> Pose:
-    """The hand drawn straight back out of the cabinet, 8 cm in front of where one puts something, `up_m` higher."""
+def _before(hand: Hand, world: RoboCasaWorld, T_world_ee: Pose, up_m: float, out_m: float = 0.08) -> Pose:
+    """The hand drawn straight back out of the cabinet, `out_m` before its front, `up_m` higher."""
     cabinet = hand.scene.pose("cabinet")
     T = cabinet.inverse() @ T_world_ee
-    back = float(world.room("cabinet")[0]) - 0.16 - T.p[0]
+    back = float(world.room("cabinet")[0]) - SHELF_DEPTH_M - out_m - T.p[0]
     return cabinet @ offset([back, 0.0, up_m]) @ T
 
 

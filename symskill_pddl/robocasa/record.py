@@ -62,10 +62,10 @@ USUAL_DOOR_M, USUAL_DRAWER_M = (0.38, 0.48), 0.6
 
 
 def _usual(world: RoboCasaWorld) -> bool:
-    """Whether the part is about as large as it is in most kitchens."""
-    if "door" in world.moving:
+    """Whether the part that is to be moved is about as large as it is in most kitchens."""
+    if world.spec.about == "door":
         return USUAL_DOOR_M[0] < abs(float(world.moving["door"].pivot[1])) < USUAL_DOOR_M[1]
-    return "drawer" not in world.moving or abs(world.part("drawer").T_world_home.p[1]) < USUAL_DRAWER_M
+    return world.spec.about != "drawer" or abs(world.part("drawer").T_world_home.p[1]) < USUAL_DRAWER_M
 
 
 TUMBLED_RAD = 0.35

@@ -1,10 +1,11 @@
 """What is seen of a kitchen where something is carried: food, dishes, and what they stand on and in.
 
 A frame is about what a hand does with a thing. That of food is in its middle, y across a side that fits between the fingers, x
-as nearly away from the robot as its shape allows when the episode begins. Dishes are round: their frames look straight away from
-the robot. A counter is long: its frame is on its top, where what is free of it is nearest to the robot, and looks as the cabinet
-above does. A cabinet is what is
-behind one of its doors, as in the tasks about doors; of one with two, the half that the food is nearest to.
+as nearly away from the robot as its shape allows when the episode begins; of what is in a cabinet, as nearly straight into that,
+whose sides and open door leave no room to come from elsewhere. Dishes are round: their frames look straight away from the robot.
+A counter is long: its frame is on its top, straight below the front of the cabinet above it, as nearly ahead of the robot as
+there is room, and looks as the cabinet does. A cabinet is what is behind one of its doors, as in the tasks about doors; of one
+with two, the half that the food is nearest to.
 """
 
 from __future__ import annotations
@@ -22,13 +23,13 @@ from symskill_pddl.robocasa.tracking import FIXTURES, Fixture, Model, Moving, Tr
 
 FITS_M = 0.054
 """What the open fingers go round with room to spare."""
-INSET_M, EDGE_M, EASY_M = 0.15, 0.12, 0.46
-"""How far from the ends of a free stretch of counter, and from its edges, there is room to put something down; and how far from
-its axis the arm does so easily: nearer, its elbow is folded."""
+INSET_M, EDGE_M, BEFORE_M, EASY_M = 0.15, 0.12, 0.03, 0.41
+"""How far from the ends of a free stretch of counter, and from its edges, there is room to put something down; how far before the
+front of the cabinet one does; and how far ahead of its axis the arm does so easily: nearer, its elbow is folded."""
 ASIDE_M = tuple(0.04 * k for k in range(-9, 10))
 CLEAR_M, HIGH_M, BESIDE_M = 0.13, 0.4, 0.3
 """How far to the side such a place is looked for, how far from it other things stand, how high above it they count, and how far
-from straight ahead it may be."""
+it may be from straight ahead of the robot, before the cabinet: ours does not drive."""
 SHELF_DEPTH_M = 0.08
 """How far behind a cabinet's front there is."""
 
@@ -69,15 +70,18 @@ def look(about: str, m: Model, env: Any, fixture: Any) -> Seen:
 
 def stored(m: Model, env: Any, fixture: Any, name: str = "food") -> Seen:
     """A food, the cabinet it is in or belongs in, its door, and the counter below."""
-    food = _food(m, env, "obj", name)
-    p = _world(m, food).p
+    body = int(env.obj_body_id["obj"])
+    p = m.T_world(body).p
     halves = [behind(m, fixture, joint) for joint in fixture.door_joint_names]
     if not halves:
         raise InputError(f"cabinet '{fixture.name}' has no door")
     half = min(halves, key=lambda found: abs(_middle(found) - float(_world(m, found.unit).inverse().apply(p)[1])))
-    front, floor = _shelf(fixture, _world(m, half.unit))
+    T_unit = _world(m, half.unit)
+    front, floor = _shelf(fixture, T_unit)
+    inside = T_unit.inverse().apply(p)[0] > front
+    food = _food(m, body, name, T_unit.rotate([1.0, 0.0, 0.0]) if inside else p - m.T_world_robot().p)
     room = {"cabinet": (front + SHELF_DEPTH_M, _middle(half), floor), "counter": (0.0, 0.0, 0.0)}
-    tracked = (food, half.unit, half.moving.tracked, _counter(m, env, fixture, _world(m, half.unit)))
+    tracked = (food, half.unit, half.moving.tracked, _counter(m, env, fixture, T_unit, front - BEFORE_M))
     return Seen(tracked, (half.moving,), half.mirrored, room)
 
 
@@ -88,7 +92,9 @@ def cooked(m: Model, env: Any, _fixture: Any) -> Seen:
         raise InputError(f"task '{type(env).__name__}' needs a pan and another dish, this episode has: {sorted(dishes)}")
     pan = dishes.pop("pan")
     (other,) = dishes.values()
-    tracked = (_food(m, env, "obj", "food"), _dish(m, env, pan, "pan", "cookware"), _dish(m, env, other, "plate", "container"))
+    body = int(env.obj_body_id["obj"])
+    food = _food(m, body, "food", m.T_world(body).p - m.T_world_robot().p)
+    tracked = (food, _dish(m, env, pan, "pan", "cookware"), _dish(m, env, other, "plate", "container"))
     plate = m.T_world_robot().inverse().apply(_world(m, tracked[2]).p)
     return Seen(tracked, (), bool(plate[1] > 0.0), {t.name: _floor(m, t) for t in tracked[1:]})
 
@@ -115,12 +121,10 @@ def _half(low: Array, high: Array) -> Vec3:
     return x, y, z
 
 
-def _food(m: Model, env: Any, thing: str, name: str) -> Tracked:
-    """Anything one holds; see above for its frame."""
-    body = int(env.obj_body_id[thing])
+def _food(m: Model, body: int, name: str, away: Array) -> Tracked:
+    """Anything one holds, its frame looking as nearly along `away` (3,) as its shape allows."""
     T_world_body = m.T_world(body)
     geoms = m.touchable(m.subtree(body))
-    away = T_world_body.p - m.T_world_robot().p
     round_ = len(geoms) == 1 and m.model.geom_type[geoms[0]] in (m.mj.mjtGeom.mjGEOM_CYLINDER, m.mj.mjtGeom.mjGEOM_SPHERE)
     upright = Pose(T_world_body.p, _heading(away if round_ else T_world_body.rotate([1.0, 0.0, 0.0])).q)
     sides = [upright @ Pose.from_rotvec(np.zeros(3), [0.0, 0.0, turn]) for turn in np.arange(4) * np.pi / 2]
@@ -163,36 +167,35 @@ def _shelf(fixture: Any, T_unit: Pose) -> tuple[float, float]:
     return float(p0[0]), float(p0[2])
 
 
-def _counter(m: Model, env: Any, ref: Any, T_world_cabinet: Pose) -> Tracked:
-    """The counter where it is free and nearest to the robot, as RoboCasa looks for room next to a fixture.
+def _counter(m: Model, env: Any, ref: Any, T_world_cabinet: Pose, before: float) -> Tracked:
+    """The counter where there is room, as RoboCasa looks for it next to a fixture, nearest to straight ahead of the robot.
 
-    Its frame looks as that of the cabinet above it does, which one has to come straight out of.
+    That is at `before` [m], in the frame of the cabinet above it, which one has to come straight out of, or a little behind.
 
     Raises
     ------
     NoRoomError
-        The nearest is not in front of the robot, which would have to drive there.
+        The nearest is far aside or behind: the robot would have to drive there.
     """
     counter = env.counter
     body = int(m.model.body(f"{counter.name}_main").id)
     T_world_counter = m.T_world(body)
-    robot = m.T_world_robot().p
-    x, y, _ = T_world_counter.inverse().apply(robot)
+    to_counter = T_world_counter.inverse() @ T_world_cabinet
+    x, y, _ = T_world_cabinet.inverse().apply(m.T_world_robot().p)
+    ahead = to_counter.apply([max(before, x + EASY_M), y, 0.0])
     spots = []
     for region in counter.get_reset_regions(env, ref=ref).values():
         (middle, depth, top), (wide, deep) = region["offset"], region["size"]
         room, inside = max(wide / 2 - INSET_M, 0.0), max(deep / 2 - EDGE_M, 0.0)
         for aside in ASIDE_M:
-            beside = np.clip(x + aside, middle - room, middle + room)
-            ahead = np.sqrt(max(EASY_M**2 - (beside - x) ** 2, 0.0))
-            spots.append([beside, np.clip(y + ahead, depth - inside, depth + inside), top])
+            x, y, _ = ahead + to_counter.rotate([0.0, aside, 0.0])
+            spots.append([np.clip(x, middle - room, middle + room), np.clip(y, depth - inside, depth + inside), top])
+    off = np.linalg.norm(np.array(spots)[:, :2] - ahead[:2], axis=1)
     points = T_world_counter.apply(np.array(spots))
-    in_the_way = np.maximum(CLEAR_M - _clearance(m, points), 0.0)
-    p = points[int(np.argmin(100.0 * in_the_way + np.linalg.norm(points - robot, axis=1) + np.abs(np.array(spots)[:, 0] - x)))]
-    if abs((m.T_world_robot().inverse().apply(p))[1]) > BESIDE_M:
+    best = int(np.argmin(100.0 * np.maximum(CLEAR_M - _clearance(m, points), 0.0) + off))
+    if off[best] > BESIDE_M:
         raise NoRoomError(f"there is no room on the counter in front of '{ref.name}'")
-    T = Pose(p, T_world_cabinet.q)
-    return Tracked("counter", "counter", body, T_world_counter.inverse() @ T)
+    return Tracked("counter", "counter", body, T_world_counter.inverse() @ Pose(points[best], T_world_cabinet.q))
 
 
 def _clearance(m: Model, points: Array) -> Array:
