@@ -26,6 +26,9 @@ STROKE_FROM, STROKE_M = np.radians(2.5), 0.07
 INSIDE_YAW, INSIDE_PITCH, INSIDE_ROLL = np.radians(-60.0), np.radians(35.0), -np.pi / 2
 BEHIND_M = 0.22
 """Where the outer face is pushed, from the hinge on [m]: inside the handle."""
+YAW_WITH_DOOR, FINGER_ASIDE_M = 0.65, 0.045
+"""The hand's yaw follows a door that it shuts by this part of its angle only, so that its wrist stays away from what is beside
+the robot; the outer finger, this far from the middle, then meets the face first [m]."""
 
 
 def open_door(hand: Hand, door: Jointed) -> None:
@@ -70,10 +73,12 @@ def close_door(hand: Hand, door: Jointed) -> None:
     outer = door.pivot[0] - 0.015
 
     def behind(angle: float, gap: float = 0.0, further: float = 0.0) -> Pose:
-        return door.hand(angle, (outer - gap, door.pivot[1] + from_hinge + further, height), 0.85 * angle, 0.0)
+        ahead = FINGER_ASIDE_M * float(np.sin((1.0 - YAW_WITH_DOOR) * angle))
+        p = (outer - gap - ahead, door.pivot[1] + from_hinge + further, height)
+        return door.hand(angle, p, YAW_WITH_DOOR * angle, 0.0)
 
     below = Pose(np.array([0.28, -0.12, 0.36]), facing(-0.4, 0.8))
-    aside = Pose(behind(start, 0.10).p * (1.0, 1.0, 0.0) + np.array([0.0, -0.06, 0.40]), facing(0.0, 0.45))
+    aside = Pose(behind(start, 0.10).p * (1.0, 1.0, 0.0) + np.array([0.0, 0.0, 0.40]), facing(0.0, 0.45))
     hand.go([vary(below, rng, 0.01), vary(aside, rng, 0.01), behind(start, 0.07), behind(start, 0.01)])
     hand.rest(float(rng.uniform(0.3, 0.6)))
     take_along(hand, door, lambda angle: behind(angle, -0.006), start, STROKE_FROM)
