@@ -44,6 +44,7 @@ def page(
             lines += ["", f"## {figure.title}", "", f"Wanted: {figure.target}.", ""]
             lines += _fewer(here, measured) if figure == FEWER else _section(figure, here)
             lines += [f"Not finished: {e.name}." for e in unfinished if e.figure == figure]
+    lines += _robocasa()
     lines += ["", "## Failures", "", *_failures(measured)]
     seen = SEEN / f"kitchen-{seed}.md"
     if seen.is_file():
@@ -55,12 +56,25 @@ def page(
     return "\n".join(lines) + "\n"
 
 
+ROBOCASA = Path(__file__).parent.parent / "docs" / "results-robocasa.md"
+"""The page that `robocasa_kitchens.py` writes."""
 SEEN = Path(__file__).parent / "data" / "failures"
 """What people who looked at the failures of a run with a seed wrote of them."""
 HEAD = (
     "| task | successes | rate | interval | time | new plans | recoveries | troubles | failures |",
     "|---|---|---|---|---|---|---|---|---|",
 )
+
+
+def _robocasa() -> list[str]:
+    """The table of the other world, where it has been measured."""
+    if not ROBOCASA.is_file():
+        return []
+    lines = ROBOCASA.read_text(encoding="utf-8").splitlines()
+    first = next(i for i, line in enumerate(lines) if line.startswith("|"))
+    table = lines[first : lines.index("", first)]
+    about = "Judged by RoboCasa; how, and what is different from the paper, is on [a page of its own](results-robocasa.md)."
+    return ["", "## In RoboCasa, beside the paper's figures", "", about, "", *table]
 
 
 def _section(figure: Figure, here: Sequence[Measured]) -> list[str]:

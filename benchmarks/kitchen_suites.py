@@ -124,12 +124,13 @@ def _wished() -> list[Entry]:
     for name in KINDS:
         preset = named[name] if name != ANY else named["mixed"]
         figure = ALONE if name != ANY else MIXED
+        what = name if name != ANY else "any, all tasks"
         shown = 0 if preset.tasks and TASKS[preset.tasks[0]].kind == "play goal" else SHOWN
         if preset.tasks:
             made.append(
-                Entry(figure, f"with-{name}", preset.tasks, 30, name, shown, preset.disturbances, ("monitor",), spread=True)
+                Entry(figure, f"with-{name}", preset.tasks, 30, what, shown, preset.disturbances, ("monitor",), spread=True)
             )
-    made.append(Entry(MIXED, "atomic-mixed", atomic, 10, "any", SHOWN, named["mixed"].disturbances, ("monitor",)))
+    made.append(Entry(MIXED, "atomic-mixed", atomic, 10, "any, atomic tasks", SHOWN, named["mixed"].disturbances, ("monitor",)))
     # a lid or a door that is shut again takes another plan; a plate that is moved is followed by the field alone; what stands in
     # the way is flowed around. For the last two the monitor is off: it would make up for what is missing
     by = {"off": ("monitor",)}

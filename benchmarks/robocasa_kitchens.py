@@ -36,6 +36,8 @@ PAPER = {
 """Percent of 10 trials each, with its monitor and without (Table I there)."""
 ROUND = 5
 """Seeds of every task in one round."""
+SEEN = Path(__file__).parent / "data" / "failures"
+"""What people who looked at the failures of a run with a seed wrote of them."""
 Found = dict[tuple[str, bool], list[EpisodeResult]]
 """By task and whether the monitor was on."""
 
@@ -52,8 +54,8 @@ def library(folder: Path) -> Path:
     return path
 
 
-def page(found: Found, missing: list[str], call: str, library_is_of: str) -> str:
-    """The whole page."""
+def page(found: Found, missing: list[str], call: str, library_is_of: str, looked_at: str = "") -> str:
+    """The whole page; `looked_at` is what somebody who looked at the failures wrote of them."""
     about = f"""
         Written by `{call}`. {library_is_of} Success is what RoboCasa's own `_check_success()` says when the run is over. Episodes
         are in RoboCasa's target kitchens (layouts 1 to 10), demonstrations in its training kitchens (11 to 60). Intervals are
@@ -81,7 +83,10 @@ def page(found: Found, missing: list[str], call: str, library_is_of: str) -> str
         paper = [f"{v} %" for v in PAPER[task]] if task in PAPER else ["-", "-"]
         plans = f"{sum(e.replans for e in on) / len(on):.1f}"
         lines.append(f"| {' | '.join([task, *paper, *_rate(on), *_rate(off)[:2], _p(on, off), _time(on), plans])} |")
+    atomic = [[e for (task, m), es in found.items() if task in PAPER and m is flag for e in es] for flag in (True, False)]
+    together = " | ".join(["**the paper's tasks**", "-", "-", *_rate(atomic[0]), *_rate(atomic[1])[:2], "-", "-", "-"])
     means = [f"{sum(rates[flag]) / len(rates[flag]):.1f}" if rates[flag] else "-" for flag in (True, False)]
+    lines.append(f"| {together} |")
     lines.append(
         f"| **mean** | 85 % | 65 % | {len(rates[True])} tasks | {means[0]} | | {len(rates[False])} tasks | {means[1]} | | | |"
     )
@@ -92,6 +97,8 @@ def page(found: Found, missing: list[str], call: str, library_is_of: str) -> str
             how = "with" if monitor else "without"
             which = ", ".join(str(e.seed) for e in episodes if not e.success)
             lines.append(f"- {task}, {how} monitor: {', '.join(f'{n} {r}' for r, n in reasons.most_common())} (seeds {which})")
+    if looked_at:
+        lines += ["", "### What they were, looked at", "", looked_at.rstrip()]
     if missing:
         lines += [
             "",
@@ -146,6 +153,8 @@ def main() -> None:
     shown = Counter(demo.task for file in sorted(DEMOS.glob("*.hdf5")) for demo in load_demos(file))
     of = f"One library, learned from {min(shown.values())} to {max(shown.values())} demonstrations of each task."
     call = f"python benchmarks/robocasa_kitchens.py --trials {args.trials} --seed {args.seed}"
+    notes = SEEN / f"robocasa-{args.seed}.md"
+    seen = notes.read_text(encoding="utf-8") if notes.is_file() else ""
     found: Found = {}
     for first in range(0, args.trials, ROUND):
         for monitor in (True, False):
@@ -166,7 +175,7 @@ def main() -> None:
                     keep=True,
                 )
                 found.setdefault((task, monitor), []).extend(results.tasks[0].episodes)
-                write_atomic(args.output, page(found, sorted(set(chosen) - set(ready)), call, of).encode())
+                write_atomic(args.output, page(found, sorted(set(chosen) - set(ready)), call, of, seen).encode())
 
 
 if __name__ == "__main__":

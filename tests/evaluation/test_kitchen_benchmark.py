@@ -55,8 +55,11 @@ def test_what_nobody_has_recorded_is_left_out_and_said(modules: tuple[Any, Any])
     assert "PlayServe: no recording of Play is shipped" in missing
 
 
-def test_the_page_tells_rates_differences_and_every_failure(modules: tuple[Any, Any]) -> None:
+def test_the_page_tells_rates_differences_and_every_failure(
+    modules: tuple[Any, Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     suites, pages = modules
+    monkeypatch.setattr(pages, "ROBOCASA", tmp_path / "none.md")
     found, missing = suites.entries(set(TASKS))
 
     def made_up(entry: Any, bad: int, mechanism: str = "") -> Results:
@@ -89,6 +92,39 @@ def test_the_page_tells_rates_differences_and_every_failure(modules: tuple[Any, 
     assert f"Not finished: {found[-1].name}." in text
     assert "- Fly: no wings" in text
     assert "**At 0.1 of the full number of episodes.**" in text
+
+
+def test_the_page_has_robocasa_s_table_where_it_was_measured(
+    modules: tuple[Any, Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    _, pages = modules
+    import robocasa_kitchens
+
+    monkeypatch.setattr(pages, "ROBOCASA", tmp_path / "results-robocasa.md")
+    assert "RoboCasa" not in pages.page([], [], [], "the command", 1.0, 5000)
+
+    def episode(seed: int, success: bool) -> EpisodeResult:
+        return EpisodeResult(
+            seed=seed, success=success, category="success" if success else "replan limit", cause="", reason="", replans=0,
+            recoveries=0, steps=1, time_s=9.0,
+        )  # fmt: skip
+
+    found = {
+        ("OpenDrawer", True): [episode(i, i > 0) for i in range(4)],
+        ("OpenDrawer", False): [episode(i, i > 1) for i in range(4)],
+        ("StoreCheese", True): [episode(0, True)],
+    }
+    other = robocasa_kitchens.page(found, [], "the other command", "One library.", "A thumb was in the way.")
+    row = "| OpenDrawer | 100 % | 100 % | 3 of 4 | 75 | 30-95 | 2 of 4 | 50 | 1 | 9 | 0.0 |"
+    assert row in other
+    assert "| **the paper's tasks** | - | - | 3 of 4 | 75 | 30-95 | 2 of 4 | 50 | - | - | - |" in other
+    assert "| **mean** | 85 % | 65 % | 1 tasks | 75.0 |" in other
+    assert "- OpenDrawer, with monitor: 1 replan limit (seeds 0)\n" in other
+    assert "A thumb was in the way." in other
+    (tmp_path / "results-robocasa.md").write_text(other)
+    text = pages.page([], [], [], "the command", 1.0, 5000)
+    assert row in text
+    assert "thumb" not in text
 
 
 def test_it_lists_what_there_is_and_refuses_what_there_is_not() -> None:
