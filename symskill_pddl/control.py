@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 from numpy.typing import ArrayLike
 
 from symskill_pddl.errors import InputError
@@ -139,9 +139,9 @@ class PassiveController:
         -------
         (n,) torques [Nm] within the limits.
         """
-        return _torques(
-            q, qd, J, M, bias, twist, dt, self._gains, self._posture, self._posture_rates, self._limits, self._state, self._last
-        )
+        q, qd, J, M, bias = (np.ascontiguousarray(a, dtype=np.float64) for a in (q, qd, J, M, bias))
+        fixed = self._gains, self._posture, self._posture_rates, self._limits
+        return _torques(q, qd, J, M, bias, np.ascontiguousarray(twist), dt, *fixed, self._state, self._last)
 
 
 def damping_matrix(inertia: ArrayLike, twist: ArrayLike, config: ControlConfig | None = None) -> Array:
@@ -159,7 +159,12 @@ def damping_matrix(inertia: ArrayLike, twist: ArrayLike, config: ControlConfig |
     )
 
 
-@njit(cache=True)
+# one form each, compiled at import: see `skills.kernels`
+_NUMBER, _VECTOR, _MATRIX = types.float64, types.float64[::1], types.float64[:, ::1]
+_FIXED = types.Array(types.float64, 1, "C", readonly=True)
+
+
+@njit((_MATRIX, _FIXED, _NUMBER, _NUMBER, _NUMBER, _NUMBER), cache=True)
 def _damping(inertia, f, along, across, blend_speed, blend_rate):  # type: ignore[no-untyped-def]
     D = across * inertia
     speed2 = (f[0] ** 2 + f[1] ** 2 + f[2] ** 2) / blend_speed**2 + (f[3] ** 2 + f[4] ** 2 + f[5] ** 2) / blend_rate**2
@@ -169,14 +174,16 @@ def _damping(inertia, f, along, across, blend_speed, blend_rate):  # type: ignor
     return D
 
 
-@njit(cache=True)
+@njit((_VECTOR, _NUMBER, _NUMBER), cache=True)
 def _slip(e, stiffness, limit):  # type: ignore[no-untyped-def]
     norm = np.sqrt(e @ e)
     if stiffness * norm > limit:
         e *= limit / (stiffness * norm)
 
 
-@njit(cache=True)
+@njit(
+    (_VECTOR, _VECTOR, _MATRIX, _MATRIX, _VECTOR, _FIXED, _NUMBER, _FIXED, _FIXED, _FIXED, _FIXED, _VECTOR, _MATRIX), cache=True
+)
 def _torques(q, qd, J, M, bias, twist, dt, gains, posture, posture_rates, limits, state, last):  # type: ignore[no-untyped-def]
     along, across, blend_speed, blend_rate, k_t, k_r, slip_t, slip_r, capacity, refill = gains
     xdot = J @ qd

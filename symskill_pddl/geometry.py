@@ -153,12 +153,14 @@ class Pose:
     def rotation_matrix(self) -> Array:
         """(..., 3, 3)."""
         w, x, y, z = (self.q[..., i] for i in range(4))
-        rows = [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        # fmt: off
+        entries = [
+            1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
+            2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+            2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
         ]
-        return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+        # fmt: on
+        return np.asarray(np.stack(entries, axis=-1).reshape(*self.shape, 3, 3))
 
     def rotvec(self) -> Array:
         """Rotation vectors (..., 3) [rad], angle in [0, pi]."""

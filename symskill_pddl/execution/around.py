@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from symskill_pddl.skills import Superellipsoids
 
 _BULGE = 1.025
 """A superellipsoid through the edges and corners of a rounded box has to grow by 2.3 % at most to hold the rest of it."""
+_WORLD = Pose.identity()
 
 
 class Obstacles:
@@ -75,17 +77,20 @@ class Strangers(Obstacles):
         self._hand = config.hand
 
     def __call__(self, scene: Scene) -> Superellipsoids:
-        T, radii, power = around_hand(scene.T_world_objects[self._rows], self._radii, Pose.stack([scene.T_world_ee]), self._hand)
-        return Superellipsoids(T[0], radii[0], self._velocity(), power[0])
+        T, radii, power = around_hand(scene.T_world_objects[self._rows], self._radii, scene.T_world_ee, self._hand)
+        return Superellipsoids(T, radii, self._velocity(), power)
 
-    def levels(self, scene: Scene, hands: Pose) -> Array:
-        """The least level (m,) of all of them for hands (m,): below 1 inside one."""
-        T, radii, power = around_hand(scene.T_world_objects[self._rows], self._radii, hands, self._hand)
-        d = (T.rotation_matrix().swapaxes(-1, -2) @ (hands.p[:, None] - T.p)[..., None])[..., 0]
-        return np.asarray(((np.abs(d / radii) ** (2.0 * power[..., None])).sum(-1) ** (0.5 / power)).min(-1, initial=np.inf))
+    def levels(self, scene: Scene, hands: Pose, T_world_base: Pose = _WORLD) -> Array:
+        """The least level (m,) of all of them for hands (m,) in the frame `base`: below 1 inside one."""
+        from symskill_pddl.skills.hands import least_levels
+
+        base, T, rows = T_world_base, scene.T_world_objects, self._rows
+        arrays = (base.p, base.q, hands.p, hands.q, T.p[rows], T.q[rows], self._radii)
+        told: tuple[Any, ...] = (*map(np.ascontiguousarray, arrays), self._hand, _BULGE)
+        return np.asarray(least_levels(*told))
 
 
-def around_hand(T_world: Pose, radii: Array, hands: Pose, hand: tuple[float, float]) -> tuple[Pose, Array, Array]:
+def around_hand(T_world: Pose, radii: Array, T_world_hand: Pose, hand: tuple[float, float]) -> tuple[Pose, Array, Array]:
     """What a hand's tip has to keep out of, turned as it is, for the whole hand to keep out of ellipsoids.
 
     The hand is a rectangle. The sum of it and an ellipsoid is convex, and so is the superellipsoid that holds the sum. Its centre
@@ -98,22 +103,21 @@ def around_hand(T_world: Pose, radii: Array, hands: Pose, hand: tuple[float, flo
         Centres and axes of ellipsoids.
     radii : (n, 3)
         [m]
-    hands : Pose (m,)
+    T_world_hand : Pose
     hand : (float, float)
         Width along the opening of the fingers, and length from the tips back [m].
 
     Returns
     -------
-    Pose (m, n), radii (m, n, 3) [m] and powers (m, n) of superellipsoids.
+    Pose (n,), radii (n, 3) [m] and powers (n,) of superellipsoids.
     """
     width, length = hand
     half, middle = np.array([0.0, width / 2, length / 2]), np.array([0.0, 0.0, -length / 2])
     # any axes are a ball's, and the hand's fit the hand best
     ball = (np.ptp(radii, axis=1) < 1e-9)[:, None]
-    q = np.where(ball, hands.q[:, None], T_world.q)
-    R = hands.rotation_matrix()
-    T = Pose(T_world.p - (R @ middle)[:, None], q)
-    wide = np.abs(T.rotation_matrix().swapaxes(-1, -2) @ R[:, None]) @ half + radii
+    R = T_world_hand.rotation_matrix()
+    T = Pose(T_world.p - R @ middle, np.where(ball, T_world_hand.q, T_world.q))
+    wide = np.abs(T.rotation_matrix().swapaxes(-1, -2) @ R) @ half + radii
     # it is a box with round edges and corners; these are what is hard to hold
     share = (radii / wide).min(-1)
     powers = [np.log(k) / (-2.0 * np.log(1.0 - share * (1.0 - k**-0.5))) for k in (2.0, 3.0)]

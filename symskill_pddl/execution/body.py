@@ -79,8 +79,9 @@ class Body:
     def step(self, command: Command) -> None:
         """One control period: act, look, abstract. `ms` holds how long the parts took."""
         begin = perf_counter()
-        self.scene = self._turned(self._steady(self._world.step(command)))
+        scene = self._world.step(command)
         seen = perf_counter()
+        self.scene = self._turned(self._steady(scene))
         self._sense = self._sense.update(self._read(self.scene, self._sense.state))
         own = dict(self._timed.ms) if self._timed is not None else {}
         world = 1e3 * (seen - begin) - sum(own.values())

@@ -46,8 +46,8 @@ class Detour:
 
     def __init__(self, strangers: Strangers) -> None:
         self._strangers = strangers
-        self._left: Pose | None = None
-        """Where the hand left the way, in the field's frame: objects may move, and their fields with them."""
+        self._way: Pose | None = None
+        """From where the hand left it (steps + 1,), in the field's frame: objects may move, and their fields with them."""
         self._blocked = self._stuck = False
         self._past = False
         """Whether the field, bent around the obstacle, has led the hand to where nothing is ahead any more."""
@@ -56,33 +56,36 @@ class Detour:
 
     def __call__(self, field: Field, T_world_field: Pose, nominal: Array, scene: Scene, rest_s: float) -> Led:
         """What the field's twist `nominal` (6,) becomes; `rest_s` is how long the hand has been at rest [s]."""
-        hand = scene.T_world_ee
-        T_field_hand = T_world_field.inverse() @ hand
-        clear = self._strangers.levels(scene, _way(field, T_world_field, T_field_hand, _AHEAD_S)).min() >= 1.0
-        if self._left is None:
+        T_field_hand = T_world_field.inverse() @ scene.T_world_ee
+        ahead = rollout(field, T_field_hand, _AHEAD_S, _STEP_S)
+        clear = self._strangers.levels(scene, ahead, T_world_field).min() >= 1.0
+        if self._way is None:
             if clear:
                 return Led(nominal)
-            self._left, self._blocked, self._past = T_field_hand, False, False
+            self._way, self._blocked, self._past = rollout(field, T_field_hand, _WAY_S, _STEP_S), False, False
             self._since, self._stuck = scene.time, False
-        way = _way(field, T_world_field, self._left, _WAY_S)
-        levels = self._strangers.levels(scene, way)
+        way = self._way
+        levels = self._strangers.levels(scene, way, T_world_field)
         entry = _first(levels < 1.0, 0)
         out = _first(levels >= _FREE, entry) if entry < len(levels) else 0
-        if _on(hand, way[out : _first(levels < 1.0, out)]):
-            self._left = None
+        if _on(T_field_hand, way, out, _first(levels < 1.0, out)):
+            self._way = None
             return Led(nominal)
         if (entry < len(levels)) != self._blocked:
             self._blocked, self._stuck, self._since, self._past = not self._blocked, False, scene.time, False
         self._stuck |= min(rest_s, scene.time - self._since) > _STUCK_S
         if out < len(levels) and not self._stuck:
             self._past |= clear or not self._blocked
-            return Led(self._to(way[out], hand, field), way[out]) if self._past else Led(nominal)
+            if not self._past:
+                return Led(nominal)
+            place = T_world_field @ way[out]
+            return Led(self._to(place, scene.T_world_ee, field), place)
         if not self._blocked:
             # nothing is in the way any more, and the hand does not get back to it: the field leads on from here
-            self._left = None
+            self._way = None
             return Led(nominal)
         self._since = scene.time
-        return self._wait(way[entry - 1] if entry else None, hand, field, scene)
+        return self._wait(T_world_field @ way[entry - 1] if entry else None, scene.T_world_ee, field, scene)
 
     def _wait(self, place: Pose | None, hand: Pose, field: Field, scene: Scene) -> Led:
         """In front of the obstacle, or just outside it where it came upon the hand."""
@@ -100,18 +103,13 @@ class Detour:
         return servo(hand, place, gain=_GAIN, max_speed=speed, max_turn=turn)
 
 
-def _way(field: Field, T_world_field: Pose, T_field_hand: Pose, seconds: float) -> Pose:
-    """Where the field leads from a hand: poses (steps + 1,) in the world."""
-    return T_world_field @ rollout(field, Pose.stack([T_field_hand]), seconds, _STEP_S)[0]
-
-
 def _first(holds: NDArray[np.bool_], start: int) -> int:
     """The first index from `start` on where it holds, or the length."""
     found = np.flatnonzero(holds[start:])
     return start + int(found[0]) if len(found) else len(holds)
 
 
-def _on(hand: Pose, way: Pose) -> bool:
-    """Whether the hand is on a part (n,) of the way."""
-    close = (np.linalg.norm(way.p - hand.p, axis=-1) < _NEAR_M) & (rotation_distance(way, hand) < _NEAR_RAD)
-    return bool(close.any())
+def _on(T_field_hand: Pose, way: Pose, start: int, stop: int) -> bool:
+    """Whether the hand is on a part of the way."""
+    near = start + np.flatnonzero(np.linalg.norm(way.p[start:stop] - T_field_hand.p, axis=-1) < _NEAR_M)
+    return len(near) > 0 and bool((rotation_distance(way[near], T_field_hand) < _NEAR_RAD).any())

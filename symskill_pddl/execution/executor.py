@@ -46,6 +46,7 @@ from symskill_pddl.execution.trace import TraceWriter
 from symskill_pddl.library import Library
 from symskill_pddl.planning import Planner
 from symskill_pddl.scene import GRIPPER, Scene, World
+from symskill_pddl.skills import warm
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, GroundOperator, State
 
 
@@ -93,6 +94,7 @@ def execute(
     InputError
         An operator without a skill, a goal or object that the domain or the scene does not have, an atom nothing can observe.
     """
+    warm()
     begin = perf_counter()
     _check(library, domain, goal, objects, world.observe())
     journal = Journal(trace, on_event)

@@ -226,7 +226,8 @@ class SkillRun:
             return self._bent(nominal, scene, phase.goal_p(T_world_frame, shift)), False
         if self._detour is None or self._detour[0] != stage:
             self._detour = stage, Detour(self._strange)
-        led = self._detour[1](phase.field, T_world_frame @ shift, nominal, scene, scene.time - self._rest_since)
+        T_world_field = T_world_frame if shift is UNSHIFTED else T_world_frame @ shift
+        led = self._detour[1](phase.field, T_world_field, nominal, scene, scene.time - self._rest_since)
         twist = self._bent(led.twist, scene, phase.goal_p(T_world_frame, shift) if led.target is None else led.target.p)
         # the hand's own size is in these obstacles: they reach far enough as they are
         twist[:3] = modulate(twist[:3], scene.T_world_ee.p, self._strange(scene), locality=_LOCAL)

@@ -10,6 +10,7 @@ from symskill_pddl.skills.skill import Phase, Skill
 from symskill_pddl.skills.split import FitReport, fit_fields, fit_phases, fit_reported
 from symskill_pddl.skills.stability import Certificate
 from symskill_pddl.skills.trajectory import Trajectory
+from symskill_pddl.skills.warm import warm
 
 __all__ = [
     "Certificate",
@@ -29,4 +30,5 @@ __all__ = [
     "fit_reported",
     "modulate",
     "rollout",
+    "warm",
 ]

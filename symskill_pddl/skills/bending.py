@@ -1,4 +1,4 @@
-"""The arithmetic of `modulate`, compiled (see `kernels` for why it is imported late).
+"""The arithmetic of `modulate`, compiled (see `kernels` for why it is imported late, and what its forms are).
 
 An obstacle is a row of numbers: centre (3), axes (9, row by row), radii (3), power, velocity (3). Vectors are worked on number by
 number: numba takes ten times as long to compile whole-array expressions.
@@ -11,6 +11,9 @@ from math import acos, cos, sin, sqrt
 import numpy as np
 from numba import njit
 
+from symskill_pddl.skills.kernels import NUMBER, POINTS, fixed
+
+_OBSTACLES = (fixed(2), fixed(2), fixed(2), fixed(2), fixed(1))
 ESCAPE = 0.3
 """Sideways part of a head-on velocity at the surface, as a fraction of its size."""
 ON_SURFACE = 1.0 - 1e-9
@@ -311,20 +314,26 @@ def _bend(v, x, rows, points, group, locality, rate, result):  # type: ignore[no
 
 
 @njit(cache=True)
+def matrix(q, out):  # type: ignore[no-untyped-def]
+    """out (9,), row by row: the rotation matrix of a quaternion (4,)."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    out[0], out[1], out[2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
+    out[3], out[4], out[5] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
+    out[6], out[7], out[8] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+
+
+@njit(cache=True)
 def _rows(p, q, radii, velocity, power):  # type: ignore[no-untyped-def]
     rows = np.empty((len(p), 19))
     for i in range(len(p)):
-        w, x, y, z = q[i, 0], q[i, 1], q[i, 2], q[i, 3]
-        rows[i, 3], rows[i, 4], rows[i, 5] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
-        rows[i, 6], rows[i, 7], rows[i, 8] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
-        rows[i, 9], rows[i, 10], rows[i, 11] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+        matrix(q[i], rows[i, 3:12])
         rows[i, 15] = power[i]
         for j in range(3):
             rows[i, j], rows[i, 12 + j], rows[i, 16 + j] = p[i, j], radii[i, j], velocity[i, j]
     return rows
 
 
-@njit(cache=True)
+@njit((NUMBER[::1], *_OBSTACLES), cache=True)
 def levels(x, p, q, radii, velocity, power):  # type: ignore[no-untyped-def]
     """`level` (n,) of all obstacles at x (3,)."""
     rows = _rows(p, q, radii, velocity, power)
@@ -334,7 +343,7 @@ def levels(x, p, q, radii, velocity, power):  # type: ignore[no-untyped-def]
     return out
 
 
-@njit(cache=True)
+@njit((POINTS, POINTS, POINTS, *_OBSTACLES, NUMBER, NUMBER), cache=True)
 def bend(v, x, free, p, q, radii, velocity, power, locality, rate):  # type: ignore[no-untyped-def]
     """Velocities (n, 3) at points (n, 3), bent around the obstacles that hold none of the points `free` (k, 3)."""
     rows, kept, slope = _rows(p, q, radii, velocity, power), 0, np.empty(3)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.geometry import Array, Pose, karcher_mean
+from symskill_pddl.geometry import Array, Pose, frozen, karcher_mean
 from symskill_pddl.skills.config import FitConfig
 from symskill_pddl.skills.orientation import OrientationField, fit_orientation
 from symskill_pddl.skills.pairing import WIDTHS, Pairing, fit_pairing
@@ -44,7 +44,8 @@ class Field:
     def __post_init__(self) -> None:
         p, q, pairing = self.position, self.orientation, self.pairing
         curve = (pairing.reach, pairing.turn, pairing.difference)
-        parts = (p.lpv.arrays, p.goal, self.certificates[0].P, q.lpv.arrays, q.goal, curve, WIDTHS)
+        P = frozen(np.ascontiguousarray(self.certificates[0].P))
+        parts = (p.lpv.arrays, p.goal, P, q.lpv.arrays, q.goal, curve, WIDTHS)
         object.__setattr__(self, "arrays", parts)
 
     def twist(self, T_frame_ee: Pose) -> Array:

@@ -2,6 +2,9 @@
 
 Loading numba takes half a second, and planning or reading a library evaluates no field: import this module where a field is
 evaluated. The compiled code is kept beside the package, or in numba's own folder where that cannot be written.
+
+What is called from outside takes one form of arguments, named where it is defined: it is compiled when its module is imported for
+the first time after an installation, and never in a run. A robot that moves cannot wait for a compiler.
 """
 
 from __future__ import annotations
@@ -9,7 +12,18 @@ from __future__ import annotations
 from math import atan2, cos, exp, sin, sqrt
 
 import numpy as np
-from numba import njit
+from numba import njit, types
+
+
+def fixed(dimensions: int) -> types.Array:
+    """The form of an array that nobody writes to, as dataclasses keep theirs; others of the same layout are taken as well."""
+    return types.Array(types.float64, dimensions, "C", readonly=True)
+
+
+NUMBER, POINTS = types.float64, types.float64[:, ::1]
+_LPV = types.Tuple([fixed(2), fixed(1), fixed(1), fixed(3), fixed(1)])
+_CURVE = types.Tuple([NUMBER, NUMBER, fixed(1)])
+_FIELD = types.Tuple([_LPV, fixed(1), fixed(2), _LPV, fixed(1), _CURVE, types.UniTuple(NUMBER, 3)])
 
 
 @njit(cache=True)
@@ -42,7 +56,7 @@ def _linear_systems(e, whitening, offset, log_scale, matrices, pace, logits, out
     out[0], out[1], out[2] = scale * u, scale * v, scale * w
 
 
-@njit(cache=True)
+@njit((POINTS, _LPV), cache=True)
 def velocities(e, lpv):  # type: ignore[no-untyped-def]
     """Velocities (n, 3) of linear systems at errors (n, 3)."""
     whitening, offset, log_scale, matrices, pace = lpv
@@ -70,7 +84,7 @@ def _rotation_error(q, goal, out):  # type: ignore[no-untyped-def]
     out[0], out[1], out[2] = scale * x, scale * y, scale * z
 
 
-@njit(cache=True)
+@njit((POINTS, fixed(1)), cache=True)
 def rotation_errors(q, goal):  # type: ignore[no-untyped-def]
     """Rotation vectors (n, 3) from the goal to quaternions (n, 4)."""
     out = np.empty((len(q), 3))
@@ -79,7 +93,7 @@ def rotation_errors(q, goal):  # type: ignore[no-untyped-def]
     return out
 
 
-@njit(cache=True)
+@njit((NUMBER, NUMBER, NUMBER, NUMBER, fixed(1)), cache=True)
 def lead(distance, angle, reach, turn, difference):  # type: ignore[no-untyped-def]
     """How far the rotation is ahead of the position [rad]; see `Pairing`."""
     last = len(difference) - 1
@@ -89,7 +103,7 @@ def lead(distance, angle, reach, turn, difference):  # type: ignore[no-untyped-d
     return turn * (distance / reach - angle / turn - shown)
 
 
-@njit(cache=True)
+@njit((POINTS, POINTS, *_FIELD), cache=True)
 def twists(p, q, position, goal_p, P, orientation, goal_q, pairing, widths):  # type: ignore[no-untyped-def]
     """Twists (n, 6) at positions (n, 3) and quaternions (n, 4)."""
     reach, turn, difference = pairing
@@ -129,7 +143,7 @@ def _turned(r, q, out):  # type: ignore[no-untyped-def]
     out[3] = aw * bz + ax * by - ay * bx + az * bw
 
 
-@njit(cache=True)
+@njit((POINTS, POINTS, types.int64, NUMBER, _FIELD), cache=True)
 def rollouts(p, q, steps, period, field):  # type: ignore[no-untyped-def]
     """Explicit Euler motions (n, steps + 1, 3), (n, steps + 1, 4) from positions (n, 3) and quaternions (n, 4)."""
     ps, qs = np.empty((len(p), steps + 1, 3)), np.empty((len(p), steps + 1, 4))
@@ -147,7 +161,7 @@ def rollouts(p, q, steps, period, field):  # type: ignore[no-untyped-def]
     return ps, qs
 
 
-@njit(cache=True)
+@njit((POINTS, _LPV, types.int64, NUMBER, NUMBER, types.boolean), cache=True)
 def ways(starts, lpv, steps, stride, near, turning):  # type: ignore[no-untyped-def]
     """Errors (n, steps + 1, 3) along linear systems from errors (n, 3), in steps of `stride`, or `near` times what remains.
 
@@ -177,7 +191,7 @@ def ways(starts, lpv, steps, stride, near, turning):  # type: ignore[no-untyped-
     return out
 
 
-@njit(cache=True)
+@njit((POINTS, NUMBER), cache=True)
 def moving(x, band):  # type: ignore[no-untyped-def]
     """Indices of the samples of x (n, d) that lie at least `band` from the one before among them."""
     kept, count = np.zeros(len(x), dtype=np.int64), 1

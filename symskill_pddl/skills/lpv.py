@@ -46,7 +46,8 @@ class Lpv:
             )
         mixture = self.mixture
         arrays = (mixture.whitening, mixture.offset, mixture.log_scale, self.matrices, self.pace)
-        object.__setattr__(self, "arrays", arrays)
+        # one memory layout, whatever a fit or a file gave: that is what is compiled
+        object.__setattr__(self, "arrays", tuple(frozen(np.ascontiguousarray(a)) for a in arrays))
 
     def velocity(self, e: Array) -> Array:
         """Velocity (..., 3) at errors e (..., 3); zero exactly at e = 0."""

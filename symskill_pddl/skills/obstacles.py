@@ -70,8 +70,9 @@ class Superellipsoids:
 
     @property
     def arrays(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Centres (n, 3), quaternions (n, 4), radii (n, 3), velocities (n, 3), powers (n,)."""
-        return self.T_world.p, self.T_world.q, self.radii, self.velocity, self.power  # type: ignore[return-value]
+        """Centres (n, 3), quaternions (n, 4), radii (n, 3), velocities (n, 3), powers (n,), all in one memory layout."""
+        arrays = self.T_world.p, self.T_world.q, self.radii, self.velocity, self.power
+        return tuple(np.ascontiguousarray(a) for a in arrays)  # type: ignore[return-value]
 
     def levels(self, x: ArrayLike) -> Array:
         """Gamma^(1 / (2 power)) (n,) at x (3,) [m]: below 1 inside, 1 on the surface, linear along every ray from the centre."""

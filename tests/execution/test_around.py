@@ -19,8 +19,8 @@ WIDTH, LENGTH = CONFIG.hand
 
 
 def one(T_world: Pose, radii: np.ndarray, hand: Pose) -> Superellipsoids:
-    T, wide, power = around_hand(Pose.stack([T_world]), radii[None], Pose.stack([hand]), CONFIG.hand)
-    return Superellipsoids(T[0], wide[0], np.zeros((1, 3)), power[0])
+    T, wide, power = around_hand(Pose.stack([T_world]), radii[None], hand, CONFIG.hand)
+    return Superellipsoids(T, wide, np.zeros((1, 3)), power)
 
 
 def test_obstacles_are_the_small_things_one_has_nothing_to_do_with():
@@ -81,6 +81,8 @@ def test_levels_of_many_hands_are_those_of_each():
     hands = Pose(rng.normal(size=(20, 3)), rng.normal(size=(20, 4)))
     each = [strangers(replace(scene, T_world_ee=hand)).levels(hand.p).min() for hand in hands]
     assert strangers.levels(scene, hands) == pytest.approx(each)
+    base = Pose(rng.normal(size=3), rng.normal(size=4))
+    assert strangers.levels(scene, base.inverse() @ hands, base) == pytest.approx(each)
     assert np.all(np.isinf(Strangers(OBJECTS, {}, frozenset(), CONFIG).levels(scene, hands)))
 
 

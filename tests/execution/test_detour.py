@@ -1,19 +1,27 @@
 """Around what was never shown, back to the shown way, or waiting in front of it."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from fake_world import DOWN
+from compiled import forms
+from fake_world import COUNTER, DOWN, HOME, OBJECTS, FakeWorld, atoms, make_library
 from scipy.ndimage import gaussian_filter1d
 
 from symskill_pddl.execution.around import Obstacles, Strangers
 from symskill_pddl.execution.config import MotionConfig
+from symskill_pddl.execution.executor import execute
 from symskill_pddl.execution.runner import SkillRun
 from symskill_pddl.geometry import Array, Pose, quat_multiply
+from symskill_pddl.planning import Builtin
 from symskill_pddl.scene import Scene
-from symskill_pddl.skills import FitConfig, Phase, Skill, Trajectory, rollout
+from symskill_pddl.skills import FitConfig, OrientationField, Phase, PositionField, Skill, Trajectory, rollout, warm
 from symskill_pddl.skills.field import Field, fit_field
+from symskill_pddl.skills.lpv import Lpv
+from symskill_pddl.skills.mixture import Mixture
+from symskill_pddl.skills.pairing import Pairing
+from symskill_pddl.skills.stability import certify
 
 CONFIG = MotionConfig()
 PERIOD = 0.05
@@ -141,3 +149,39 @@ def test_a_hand_that_cannot_go_around_goes_back_and_waits(field):
     tips, _, _ = hand.drive(12.0)
     assert hand.arrived
     assert hand.off(tips).max() < 0.03
+
+
+class Littered(FakeWorld):
+    """With a ball of a type that nobody knows between the hand and the cheese."""
+
+    def observe(self) -> Scene:
+        scene = super().observe()
+        objects, ball = {**OBJECTS, "ball": "ball"}, 0.5 * (HOME.p + scene.pose("cheese").p)
+        poses = Pose.stack([*scene.T_world_objects, Pose(ball, [1.0, 0, 0, 0])])
+        return replace(scene, objects=objects, T_world_objects=poses)
+
+
+def pulls_to(goal: Pose) -> Field:
+    """Straight to the goal, compiled as a learned field is, in an unusual memory layout."""
+    lpv = Lpv(Mixture.single(), np.asfortranarray(-3.0 * np.eye(3)[None]), np.array([0.5]))
+    certificate = certify(lpv.matrices, np.eye(3), PERIOD)
+    return Field(PositionField(lpv, goal.p), OrientationField(lpv, goal.q), (certificate, certificate), Pairing.none())
+
+
+def test_a_run_with_something_strange_in_the_way_compiles_nothing():
+    library = make_library()
+    skills = {
+        name: replace(skill, phases=tuple(replace(p, field=pulls_to(p.field.T_goal)) for p in skill.phases))
+        for name, skill in library.skills.items()
+    }
+    library, told = replace(library, skills=skills), {"rng": np.random.default_rng(0), "objects": OBJECTS}
+    told |= {"goal": atoms("gripper-holds-food cheese"), "extents": {"ball": (0.03, 0.03, 0.03)}}
+    warm()
+    before, world, tips = forms(), Littered(), []
+    outcome = execute(world, library, library.domain(), planner=Builtin(), **told, on_event=lambda _: tips.append(world.ee.p))
+    assert forms() == before
+    assert outcome.success
+    # it was a detour: the straight way leads through the ball
+    along = (COUNTER - HOME.p) / np.linalg.norm(COUNTER - HOME.p)
+    off = np.array(tips) - HOME.p
+    assert np.linalg.norm(off - np.outer(off @ along, along), axis=1).max() > 0.05
