@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite, sqrt
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ from scipy.spatial.transform import Rotation
 from symskill_pddl.errors import InputError
 
 Array = NDArray[np.float64]
+_UNIT = 1e-14
+"""A quaternion's length is 1 within this."""
 
 
 def frozen(values: ArrayLike) -> Array:
@@ -27,19 +30,29 @@ def frozen(values: ArrayLike) -> Array:
     return array
 
 
+def _components(x: ArrayLike) -> list[Any]:
+    """Along the last axis. Those of a single vector are plain floats: numpy takes ten times as long, in every control tick."""
+    x = np.asarray(x, dtype=np.float64)
+    return x.tolist() if x.ndim == 1 else [x[..., i] for i in range(x.shape[-1])]
+
+
+def _norm(w: float, x: float, y: float, z: float) -> float:
+    return sqrt(w * w + x * x + y * y + z * z)
+
+
+def _joined(*components: Any) -> Array:
+    """The inverse of `_components`."""
+    return np.array(components) if isinstance(components[0], float) else np.stack(components, axis=-1)
+
+
 def quat_multiply(a: ArrayLike, b: ArrayLike) -> Array:
     """Hamilton product of quaternions (..., 4), (w, x, y, z)."""
-    a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
-    aw, ax, ay, az = a[..., 0], a[..., 1], a[..., 2], a[..., 3]
-    bw, bx, by, bz = b[..., 0], b[..., 1], b[..., 2], b[..., 3]
-    return np.stack(
-        [
-            aw * bw - ax * bx - ay * by - az * bz,
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-        ],
-        axis=-1,
+    (aw, ax, ay, az), (bw, bx, by, bz) = _components(a), _components(b)
+    return _joined(
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
     )
 
 
@@ -50,10 +63,9 @@ def quat_conjugate(q: ArrayLike) -> Array:
 
 def quat_rotate(q: ArrayLike, v: ArrayLike) -> Array:
     """Rotate vectors (..., 3) by unit quaternions (..., 4)."""
-    q, v = np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64)
-    w, u = q[..., :1], q[..., 1:]
-    t = 2.0 * _cross(u, v)
-    return np.asarray(v + w * t + _cross(u, t))
+    (w, x, y, z), (a, b, c) = _components(q), _components(v)
+    tx, ty, tz = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    return _joined(a + w * tx + (y * tz - z * ty), b + w * ty + (z * tx - x * tz), c + w * tz + (x * ty - y * tx))
 
 
 def quat_log(q: ArrayLike) -> Array:
@@ -80,18 +92,6 @@ def quat_exp(r: ArrayLike) -> Array:
     return np.concatenate([np.cos(half), 0.5 * np.sinc(half / np.pi) * r], axis=-1)
 
 
-def _cross(a: Array, b: Array) -> Array:
-    # np.cross costs some 20 us on a single pair; this is on the path of every control tick
-    return np.stack(
-        [
-            a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1],
-            a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2],
-            a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0],
-        ],
-        axis=-1,
-    )
-
-
 @dataclass(frozen=True, eq=False)
 class Pose:
     """One or many poses. `p` (..., 3) [m], `q` (..., 4) unit quaternion (w, x, y, z); both read-only copies."""
@@ -103,12 +103,18 @@ class Pose:
         p, q = frozen(self.p), np.array(self.q, dtype=np.float64)
         if p.shape[-1:] != (3,) or q.shape[-1:] != (4,):
             raise InputError(f"a pose needs p (..., 3) and q (..., 4), got {p.shape} and {q.shape}")
+        # a unit quaternion keeps its bits, so that saving and loading gives the same pose
+        if p.shape == (3,) and q.shape == (4,) and isfinite(sum(p.tolist())) and abs(_norm(*q.tolist()) - 1.0) < _UNIT:
+            # numpy's functions take ten times as long for a single pose, and every control tick makes a dozen
+            q.setflags(write=False)
+            object.__setattr__(self, "p", p)
+            object.__setattr__(self, "q", q)
+            return
         norm = np.sqrt((q * q).sum(-1, keepdims=True))
         if not (np.isfinite(p).all() and np.isfinite(norm).all() and (norm > 1e-9).all()):
             raise InputError("a pose holds a number that is not finite, or a quaternion of length 0")
         object.__setattr__(self, "p", p)
-        # a unit quaternion keeps its bits, so that saving and loading gives the same pose
-        object.__setattr__(self, "q", frozen(np.where(np.abs(norm - 1.0) < 1e-14, q, q / norm)))
+        object.__setattr__(self, "q", frozen(np.where(np.abs(norm - 1.0) < _UNIT, q, q / norm)))
 
     @classmethod
     def identity(cls) -> Pose:
@@ -152,15 +158,15 @@ class Pose:
 
     def rotation_matrix(self) -> Array:
         """(..., 3, 3)."""
-        w, x, y, z = (self.q[..., i] for i in range(4))
+        w, x, y, z = _components(self.q)
         # fmt: off
-        entries = [
+        entries = (
             1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
             2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
             2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
-        ]
+        )
         # fmt: on
-        return np.asarray(np.stack(entries, axis=-1).reshape(*self.shape, 3, 3))
+        return _joined(*entries).reshape(*self.q.shape[:-1], 3, 3)
 
     def rotvec(self) -> Array:
         """Rotation vectors (..., 3) [rad], angle in [0, pi]."""

@@ -116,3 +116,16 @@ def test_a_pose_cannot_be_changed() -> None:
 def test_a_single_pose_has_no_length() -> None:
     with pytest.raises(InputError):
         len(Pose.identity())
+
+
+def test_a_single_pose_has_the_bits_of_one_among_many():
+    rng = np.random.default_rng(0)
+    a, b = (Pose(rng.normal(size=(50, 3)), rng.normal(size=(50, 4))) for _ in range(2))
+    for found, each in (
+        (a @ b, [a[i] @ b[i] for i in range(50)]),
+        (a[0] @ b, [a[0] @ b[i] for i in range(50)]),
+        (a.inverse(), [a[i].inverse() for i in range(50)]),
+        (a, [Pose(a.p[i], a.q[i]) for i in range(50)]),
+    ):
+        assert np.array_equal(found.vector(), Pose.stack(each).vector())
+        assert np.array_equal(found.rotation_matrix(), np.stack([T.rotation_matrix() for T in each]))
