@@ -49,7 +49,7 @@ class Obstacles:
         self.names = tuple(name for _, name, _ in rows)
         self._rows = np.array([i for i, _, _ in rows], dtype=np.intp)
         self._radii = 1.3 * np.array([extents[kind] for _, _, kind in rows]).reshape(-1, 3) + config.obstacle_clearance
-        self._velocities = velocities
+        self._velocities, self._hand = velocities, config.hand
 
     def __call__(self, scene: Scene) -> Superellipsoids:
         return Superellipsoids(scene.T_world_objects[self._rows], self._radii, self._velocity())
@@ -64,17 +64,6 @@ class Strangers(Obstacles):
     The demonstrated motions clear what was there with the whole hand; they know nothing of other things. The parameters are those
     of `Obstacles`, and the hand's size is the configuration's.
     """
-
-    def __init__(
-        self,
-        objects: Mapping[str, str],
-        extents: Mapping[str, tuple[float, float, float]],
-        spared: frozenset[str],
-        config: MotionConfig,
-        velocities: Callable[[], Array] | None = None,
-    ) -> None:
-        super().__init__(objects, extents, spared, config, velocities)
-        self._hand = config.hand
 
     def __call__(self, scene: Scene) -> Superellipsoids:
         T, radii, power = around_hand(scene.T_world_objects[self._rows], self._radii, scene.T_world_ee, self._hand)
