@@ -21,10 +21,10 @@ from symskill_pddl.cli.work import shipped_demos
 from symskill_pddl.demos import Demo, Truth, load_demos, load_truths
 from symskill_pddl.demos.perturb import with_approaches_again, with_distractors, with_noise
 from symskill_pddl.errors import InputError
+from symskill_pddl.evaluation.score import Score, score
 from symskill_pddl.evaluation.statistics import wilson
 from symskill_pddl.files import write_atomic
 from symskill_pddl.learning import learn_symbols
-from symskill_pddl.learning.score import Score, score
 from symskill_pddl.report.svg import Chart, Line, charts_svg
 
 Shown = tuple[Demo, Truth]

@@ -10,13 +10,13 @@ import numpy as np
 
 from symskill_pddl.geometry import Array, Pose, karcher_mean, rotation_distance
 from symskill_pddl.learning.relations import Contact, Label, PredicateConfig
-from symskill_pddl.learning.segments import Episode, Rest
+from symskill_pddl.learning.segments import Episode, Rest, RestKey
 from symskill_pddl.learning.shapes import clusters, fit_shape, narrowed
 
 
 def labelled(
     episodes: Sequence[Episode],
-    of_rest: Mapping[int, tuple[int | None, str]],
+    of_rest: Mapping[RestKey, tuple[int | None, str]],
     jointed: Mapping[str, bool],
     odd: Mapping[str, bool],
     notes: list[str],
@@ -25,7 +25,7 @@ def labelled(
     """Episodes that lead somewhere, with their contacts clustered per type (for joints: per start, end and finger command)."""
 
     def at(r: Rest | None) -> tuple[int | None, str | None]:
-        return of_rest.get(id(r), (None, None)) if r is not None else (None, None)
+        return of_rest.get(r.key, (None, None)) if r is not None else (None, None)
 
     groups: dict[tuple[object, ...], list[tuple[Episode, int | None, str | None, int | None, str | None]]] = defaultdict(list)
     undone: Episode | None = None  # the episode before, if it led nowhere: the approach to the next one begins where it stopped

@@ -68,7 +68,7 @@ def _ended(e: Episode, config: EndingConfig, segments: SegmentConfig) -> Episode
             return replace(e, stop=still, end=n - 1, after=replace(rest(e.demo, e.moved, still, n), parts=parts))
     joint = fit_joint([e.moved_along()], config.articulation)
     if joint is not None and (joint.kind == "hinge" or not command[-1]):
-        return replace(e, end=n - 1, after=Rest(e.moved, n - 1, n, T[n - 1], parts=parts))
+        return replace(e, end=n - 1, after=Rest(e.demo.where, e.moved, n - 1, n, T[n - 1], parts=parts))
     return e
 
 

@@ -6,16 +6,11 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import permutations, product
 
+from symskill_pddl.learning.matching import Side, Tagged, best_match
 from symskill_pddl.learning.naming import parameter_names, unique
 from symskill_pddl.learning.transitions import Transition
 from symskill_pddl.symbols import Atom, Parameter
-
-Tagged = frozenset[tuple[str, Atom]]
-"""Atoms with the set they belong to: 'pre', 'add', 'delete' or 'during'."""
-
-MAX_MATCHES = 3000
 
 
 @dataclass(frozen=True)
@@ -52,10 +47,11 @@ def lift(group: Sequence[Transition]) -> Lifted:
     bindings = [{v: o for o, v in to_variable.items()}]
     for transition in group[1:]:
         used = {a for _, atom in common for a in atom.args}
-        wanted = [v for v in context if v in used]
-        ground = dict(zip(transition.args, arg_variables, strict=True))
-        match = _best_match(common, transition, ground, wanted, context)
-        common = common & frozenset((tag, atom.substitute(match)) for tag, atom in _tagged(transition))
+        fixed, tagged = dict(zip(transition.args, arg_variables, strict=True)), _tagged(transition)
+        seen = {a for _, atom in tagged for a in atom.args} - set(fixed)
+        lifted = Side(common, {v: t for v, t in context.items() if v in used})
+        match = best_match(lifted, Side(tagged, {o: transition.demo.objects[o] for o in seen}), fixed)
+        common = common & frozenset((tag, atom.substitute(match)) for tag, atom in tagged)
         bindings.append({v: o for o, v in match.items()})
     used = {a for _, atom in common for a in atom.args}
     kept = [*arg_variables, *(v for v in context if v in used)]
@@ -87,41 +83,3 @@ def _tagged(t: Transition) -> Tagged:
         + [("delete", a) for a in t.before - t.after]
         + [("during", a) for a in t.during]
     )
-
-
-def _best_match(
-    common: Tagged, transition: Transition, ground: Mapping[str, str], wanted: Sequence[str], context: Mapping[str, str]
-) -> dict[str, str]:
-    """Object -> variable for the arguments and as many context variables as help; deterministic."""
-    seen = sorted({a for _, atom in _tagged(transition) for a in atom.args} - set(ground))
-    types = transition.demo.objects
-    by_type: dict[str, list[str]] = defaultdict(list)
-    for variable in wanted:
-        by_type[context[variable]].append(variable)
-    choices = []
-    for type_, variables in sorted(by_type.items()):
-        pool = [o for o in seen if types[o] == type_]
-        padded: list[str | None] = [*pool, *[None] * max(len(variables) - len(pool), 0)]
-        choices.append([dict(zip(variables, pick, strict=True)) for pick in permutations(padded, len(variables))])
-    tagged = _tagged(transition)
-
-    def score(assignment: Sequence[Mapping[str, str | None]]) -> int:
-        to_variable = dict(ground)
-        for part in assignment:
-            to_variable.update({o: v for v, o in part.items() if o is not None})
-        return sum((tag, atom.substitute(to_variable)) in common for tag, atom in tagged)
-
-    size = 1
-    for options in choices:
-        size *= len(options)
-    if size <= MAX_MATCHES:
-        best: Sequence[Mapping[str, str | None]] = max(product(*choices), key=score)
-    else:  # one type after the other, twice round
-        current = [options[0] for options in choices]
-        for k in [*range(len(choices)), *range(len(choices))]:
-            current[k] = max(choices[k], key=lambda part: score([*current[:k], part, *current[k + 1 :]]))
-        best = current
-    result = dict(ground)
-    for part in best:
-        result.update({o: v for v, o in part.items() if o is not None})
-    return result

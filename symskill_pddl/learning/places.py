@@ -12,6 +12,7 @@ from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.learning.articulation import UP, Joint
 from symskill_pddl.learning.references import Placement
 from symskill_pddl.learning.relations import Place, PredicateConfig
+from symskill_pddl.learning.segments import RestKey
 from symskill_pddl.learning.shapes import clusters, fit_shape, free_yaw
 
 
@@ -52,7 +53,7 @@ def cluster_pair(
     apart: Sequence[tuple[int, int]],
     odd: Mapping[str, bool],
     places: list[Place],
-    of_rest: dict[int, tuple[int | None, str]],
+    of_rest: dict[RestKey, tuple[int | None, str]],
     notes: list[str],
     config: PredicateConfig,
 ) -> None:
@@ -74,14 +75,14 @@ def cluster_pair(
                 f"{only.demo.where}: {only.rest.obj} rests at {only.ref} at {only.demo.times[only.rest.start]:.1f} s "
                 "where no other demonstration leaves one; left out"
             )
-            of_rest[id(only.rest)] = (None, only.ref)
+            of_rest[only.rest.key] = (None, only.ref)
         else:
             groups.append(members)
     for static in range(n, len(ordered)):
         _adopt(static, groups, rests)
     for group in groups:
         for i in group:
-            of_rest[id(ordered[i].rest)] = (len(places), ordered[i].ref)
+            of_rest[ordered[i].rest.key] = (len(places), ordered[i].ref)
         places.append(_place_of([ordered[i] for i in group], joint, config))
 
 

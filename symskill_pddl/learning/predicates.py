@@ -18,7 +18,7 @@ from symskill_pddl.learning.contacts import labelled
 from symskill_pddl.learning.places import cluster_pair
 from symskill_pddl.learning.references import Extents, Placement, place
 from symskill_pddl.learning.relations import Place, PredicateConfig, Relations
-from symskill_pddl.learning.segments import Episode, rest
+from symskill_pddl.learning.segments import Episode, RestKey, rest
 
 
 def learn_relations(
@@ -26,18 +26,18 @@ def learn_relations(
     episodes: Sequence[Episode],
     extents: Extents,
     config: PredicateConfig | None = None,
-    answers: Mapping[int, str] | None = None,
+    answers: Mapping[RestKey, str] | None = None,
 ) -> Relations:
     """Predicates from the rests and contacts of all episodes.
 
-    `answers` holds, by ``id(rest)``, the reference that another selector named.
+    `answers` holds, by `Rest.key`, the reference that another selector named.
     """
     config = config or PredicateConfig()
     shown = Counter(demo.task for demo in demos)
     odd = {demo.where: shown[demo.task] >= config.odd_of for demo in demos}
     places: list[Place] = []
     notes: list[str] = []
-    of_rest: dict[int, tuple[int | None, str]] = {}  # id of a Rest -> (place or None when odd, reference object)
+    of_rest: dict[RestKey, tuple[int | None, str]] = {}  # id of a Rest -> (place or None when odd, reference object)
     jointed: dict[str, bool] = {}
     for type_ in sorted({t for e in episodes for t in (e.type, e.moved_type)}):
         own = [e for e in episodes if type_ in (e.type, e.moved_type)]
@@ -57,7 +57,7 @@ def _placements(
     type_: str,
     extents: Extents,
     config: PredicateConfig,
-    answers: Mapping[int, str] | None,
+    answers: Mapping[RestKey, str] | None,
 ) -> tuple[tuple[Placement, ...], dict[tuple[str, str], Joint]]:
     rests = [(e.demo, r) for e in episodes for r in e.rests(type_)]
     moved = {(e.demo.where, o) for e in episodes for o in (e.obj, *e.passengers)}
@@ -80,10 +80,10 @@ def _placements(
 def _joints(
     episodes: Sequence[Episode], found: Sequence[Placement], type_: str, config: PredicateConfig
 ) -> dict[tuple[str, str], Joint]:
-    refs = {id(p.rest): p for p in found}
+    refs = {p.rest.key: p for p in found}
     motions: dict[tuple[str, str], list[Pose]] = defaultdict(list)
     for e in episodes:
-        at = next((refs[id(r)] for r in reversed(e.rests(type_)) if id(r) in refs), None)
+        at = next((refs[r.key] for r in reversed(e.rests(type_)) if r.key in refs), None)
         if at is not None:
             span = np.linspace(e.start, e.stop - 1, 25).astype(int)
             motions[at.types].append(e.demo.pose(at.ref)[span].inverse() @ e.demo.pose(at.rest.obj)[span])
@@ -93,6 +93,6 @@ def _joints(
 
 def _ends(found: Sequence[Placement], episodes: Sequence[Episode], type_: str) -> list[tuple[int, int]]:
     """Where each motion began and ended, as rows of the rests that are not static."""
-    row = {id(p.rest): i for i, p in enumerate(p for p in found if not p.rest.static)}
-    ways = [[row[id(r)] for r in e.rests(type_) if id(r) in row] for e in episodes]
+    row = {p.rest.key: i for i, p in enumerate(p for p in found if not p.rest.static)}
+    ways = [[row[r.key] for r in e.rests(type_) if r.key in row] for e in episodes]
     return [(way[0], way[-1]) for way in ways if len(way) == 2]

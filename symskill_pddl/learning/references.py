@@ -26,7 +26,7 @@ import numpy as np
 
 from symskill_pddl.demos import Demo
 from symskill_pddl.geometry import Array, Pose
-from symskill_pddl.learning.segments import Rest
+from symskill_pddl.learning.segments import Rest, RestKey
 
 Extents = Mapping[str, tuple[float, float, float]]
 
@@ -107,11 +107,11 @@ def place(
     hinged: bool,
     extents: Extents,
     config: ReferenceConfig | None = None,
-    answers: Mapping[int, str] | None = None,
+    answers: Mapping[RestKey, str] | None = None,
 ) -> tuple[Placement, ...]:
     """References for the rests of objects of one type, in the order given. `hinged`: the type turns about an axis or slides.
 
-    Rests in scenes that hold no other object are left out. `answers` holds, by ``id(rest)``, the object that another selector
+    Rests in scenes that hold no other object are left out. `answers` holds, by `Rest.key`, the object that another selector
     named.
     """
     config, answers = config or ReferenceConfig(), answers or {}
@@ -120,8 +120,8 @@ def place(
     if hinged:
         table = _over_all_rests(rests, found, table, config)
     for (_, rest), candidates, scores in zip(rests, found, table, strict=True):
-        if id(rest) in answers:
-            scores[candidates.names.index(answers[id(rest)])] += config.answer_weight
+        if rest.key in answers:
+            scores[candidates.names.index(answers[rest.key])] += config.answer_weight
     groups: dict[str, list[int]] = defaultdict(list)
     for i, (candidates, scores) in enumerate(zip(found, table, strict=True)):
         if len(scores):

@@ -9,7 +9,7 @@ import numpy as np
 
 from symskill_pddl.learning.articulation import ArticulationConfig, Joint
 from symskill_pddl.learning.references import ReferenceConfig
-from symskill_pddl.learning.segments import Episode
+from symskill_pddl.learning.segments import Episode, RestKey
 from symskill_pddl.learning.shapes import Shape, ShapeConfig
 
 
@@ -117,5 +117,5 @@ class Relations:
     contacts: tuple[Contact, ...]
     labels: tuple[Label, ...]
     notes: tuple[str, ...]
-    references: Mapping[int, str] = field(default_factory=dict)
-    """By ``id(rest)``, the object that it is at."""
+    references: Mapping[RestKey, str] = field(default_factory=dict)
+    """By `Rest.key`, the object that it is at."""

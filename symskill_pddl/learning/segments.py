@@ -16,18 +16,27 @@ from symskill_pddl.errors import LearningError
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.learning.motions import Mask, Motion, SegmentConfig, intervals, motions, pose_over, speeds
 
+RestKey = tuple[str, str, int, int]
+"""Demonstration, object, and samples [start, stop)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Rest:
     """Where an object rested: its pose over samples [start, stop), next to a motion, or (`static`) all through a
-    demonstration. `parts` hang on the object: it does not rest at them."""
+    demonstration. `where` names the demonstration (`Demo.where`); `parts` hang on the object: it does not rest at them."""
 
+    where: str
     obj: str
     start: int
     stop: int
     T_world_obj: Pose
     static: bool = False
     parts: tuple[str, ...] = ()
+
+    @property
+    def key(self) -> RestKey:
+        """What identifies a rest among those of all demonstrations."""
+        return self.where, self.obj, self.start, self.stop
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +115,7 @@ class Episode:
 
 def rest(demo: Demo, obj: str, start: int, stop: int, *, static: bool = False) -> Rest:
     """The rest of an object over samples [start, stop)."""
-    return Rest(obj, start, stop, pose_over(demo.pose(obj), start, stop), static)
+    return Rest(demo.where, obj, start, stop, pose_over(demo.pose(obj), start, stop), static)
 
 
 def segment(demo: Demo, config: SegmentConfig | None = None) -> tuple[Episode, ...]:

@@ -15,7 +15,7 @@ from symskill_pddl.learning.naming import contact_names, place_names
 from symskill_pddl.learning.operators import OperatorConfig, OperatorGroup, learn_operators
 from symskill_pddl.learning.predicates import learn_relations
 from symskill_pddl.learning.relations import PredicateConfig, Relations
-from symskill_pddl.learning.segments import Episode, segment_all
+from symskill_pddl.learning.segments import Episode, RestKey, segment_all
 from symskill_pddl.learning.transitions import Truth, exclusive, gripper_rule, never_shared, transitions, truth_of
 from symskill_pddl.library import Goal
 from symskill_pddl.scene import GRIPPER
@@ -60,9 +60,9 @@ class Symbolic:
     notes: tuple[str, ...]
 
 
-Selector = Callable[[Sequence[Episode], Mapping[int, str]], Mapping[int, str]]
+Selector = Callable[[Sequence[Episode], Mapping[RestKey, str]], Mapping[RestKey, str]]
 """Another way to choose references: from episodes and the default selector's choices, the object that each rest is at, by
-``id(rest)``; rests that are left out stay with the default selector."""
+`Rest.key`; rests that are left out stay with the default selector."""
 
 
 def learn_symbols(

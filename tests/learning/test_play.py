@@ -9,8 +9,8 @@ import pytest
 
 import symskill_pddl
 from symskill_pddl.demos import load_demos, load_truths
+from symskill_pddl.evaluation.score import score
 from symskill_pddl.learning import learn_symbols
-from symskill_pddl.learning.score import score
 from symskill_pddl.pddl import DIALECTS, exported, expressible
 from symskill_pddl.planning import Builtin
 from symskill_pddl.symbols import GRIPPER_OPEN, Absent, Atom, Domain, Parameter, Predicate, Problem, Type, validate

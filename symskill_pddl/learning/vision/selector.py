@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from symskill_pddl.learning.segments import Episode, Rest
+from symskill_pddl.learning.segments import Episode, Rest, RestKey
 from symskill_pddl.learning.vision.ask import Asker, VisionError
 from symskill_pddl.learning.vision.endpoints import Question
 from symskill_pddl.learning.vision.frames import Frames, drawing
@@ -65,8 +65,8 @@ class VisionSelector:
     frames: Frames = drawing
     agreement: Agreement = field(default_factory=Agreement)
 
-    def __call__(self, episodes: Sequence[Episode], default: Mapping[int, str]) -> dict[int, str]:
-        """By ``id(rest)``, the object that it is at. `default`: what the default selector says.
+    def __call__(self, episodes: Sequence[Episode], default: Mapping[RestKey, str]) -> dict[RestKey, str]:
+        """By `Rest.key`, the object that it is at. `default`: what the default selector says.
 
         Raises
         ------
@@ -90,21 +90,21 @@ class VisionSelector:
             raise VisionError(f"none of {self.agreement.asked} questions about references was answered; the last: {last}")
         return self._voted(answers, default)
 
-    def _voted(self, answers: Sequence[tuple[Episode, Rest, str]], default: Mapping[int, str]) -> dict[int, str]:
+    def _voted(self, answers: Sequence[tuple[Episode, Rest, str]], default: Mapping[RestKey, str]) -> dict[RestKey, str]:
         groups: dict[tuple[str, str], list[tuple[Episode, Rest, str]]] = defaultdict(list)
         for e, rest, name in answers:
             types = e.demo.objects
-            groups[types[rest.obj], types.get(default.get(id(rest), ""), "")].append((e, rest, name))
-            if id(rest) in default:
+            groups[types[rest.obj], types.get(default.get(rest.key, ""), "")].append((e, rest, name))
+            if rest.key in default:
                 self.agreement.compared += 1
-                self.agreement.same += default[id(rest)] == name
+                self.agreement.same += default[rest.key] == name
         kept = {}
         for _, members in sorted(groups.items(), key=lambda item: item[0]):
             votes = Counter(e.demo.objects[name] for e, _, name in members)
             winner = max(sorted(votes), key=lambda t: votes[t])
             for e, rest, name in members:
                 if e.demo.objects[name] == winner:
-                    kept[id(rest)] = name
+                    kept[rest.key] = name
                 else:
                     self.agreement.notes.append(
                         f"{e}: the model says {rest.obj} rests at {name}, in most such episodes at a {winner}; "

@@ -7,8 +7,8 @@ import pytest
 from synthetic import record
 
 from symskill_pddl.demos import Move, Truth
+from symskill_pddl.evaluation.score import predicate_frames, score
 from symskill_pddl.learning import learn_symbols
-from symskill_pddl.learning.score import predicate_frames, score
 
 
 @pytest.fixture(scope="module")

@@ -182,7 +182,7 @@ def _confusion(value: NDArray[np.bool_], true: NDArray[np.bool_]) -> NDArray[np.
 
 
 def _f1(confusion: NDArray[np.int64]) -> float:
-    right, wrong, missed = confusion.tolist()
+    right, wrong, missed = (float(x) for x in confusion)
     return 2.0 * right / max(2 * right + wrong + missed, 1)
 
 
