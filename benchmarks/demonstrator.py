@@ -20,11 +20,11 @@ from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from concurrent.futures import ProcessPoolExecutor
 
 from page import PAGE, machine, write_section
 
 import symskill_pddl
+from symskill_pddl import workers
 from symskill_pddl.demos.truth import Truth
 from symskill_pddl.evaluation.statistics import wilson
 from symskill_pddl.kitchen import TASKS, make, task_named
@@ -134,7 +134,7 @@ def main() -> None:
     arguments.folder.mkdir(parents=True, exist_ok=True)
     lines, code = arguments.folder / "episodes.jsonl", kitchen_code()
     found = kept(lines, code)
-    with ProcessPoolExecutor(arguments.jobs) as pool:
+    with workers.pool(arguments.jobs, "fork") as pool:
         for seed in range(arguments.first, arguments.first + arguments.seeds):
             missing = [task for task in tasks if (task, seed) not in found]
             for done in pool.map(record, missing, [seed] * len(missing)):

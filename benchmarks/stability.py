@@ -15,7 +15,6 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from hashlib import sha256
 from itertools import repeat
@@ -27,6 +26,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np
 from page import PAGE, machine, write_section
 
+from symskill_pddl import workers
 from symskill_pddl.kitchen import TASKS, make, task_named
 from symskill_pddl.kitchen.world import Kitchen
 from symskill_pddl.panda.arm import MAX_RATE, MAX_SPEED
@@ -190,7 +190,7 @@ def main() -> int:
     tasks = [task_named(name).name for name in names]
     found: list[Shaken] = []
     repeated: dict[tuple[str, int], bool] = {}
-    with ProcessPoolExecutor(arguments.jobs) as pool:
+    with workers.pool(arguments.jobs, "fork") as pool:
         for seed in range(arguments.seeds):
             fresh = list(pool.map(shake, tasks, repeat(seed), repeat(arguments.seconds)))
             found += fresh

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
-from multiprocessing import get_context, parent_process
-from threading import Thread
 from typing import Any, Protocol
 
+from symskill_pddl import workers
 from symskill_pddl.errors import InputError, MissingDependencyError
 from symskill_pddl.evaluation.results import EpisodeResult
 
@@ -47,7 +46,7 @@ class Processes:
                 yield task, work(task, seed)
             return
         # spawned, not forked: a fork copies whatever threads and locks this process has
-        with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_start, initargs=(begin,)) as pool:
+        with workers.pool(jobs, "spawn", _start, (begin,)) as pool:
             futures = {pool.submit(_work, task, seed): task for task, seed in episodes}
             try:
                 for future in as_completed(futures):
@@ -64,15 +63,6 @@ _process: Work
 def _start(begin: Begin) -> None:
     global _process
     _process = begin()
-    # a worker whose evaluation was killed would wait for work for ever
-    Thread(target=_die_with_parent, daemon=True).start()
-
-
-def _die_with_parent() -> None:
-    parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
 
 
 def _work(task: str, seed: int) -> EpisodeResult:

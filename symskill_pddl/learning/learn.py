@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-import multiprocessing
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -14,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from symskill_pddl import workers
 from symskill_pddl.demos import Demo, decode_demos, encode_demos
 from symskill_pddl.errors import LearningError
 from symskill_pddl.learning.operators import OperatorGroup
@@ -134,11 +133,11 @@ def _skills(
 
 
 def _fitted(groups: Sequence[OperatorGroup], config: SkillConfig, jobs: int) -> Iterator[tuple[Skill, tuple[str, ...]]]:
-    if jobs <= 1 or len(groups) == 1 or "fork" not in multiprocessing.get_all_start_methods():
+    if jobs <= 1 or len(groups) == 1 or not workers.can_fork():
         for group in groups:
             yield learn_skill(group, config)
         return
-    with ProcessPoolExecutor(min(jobs, len(groups)), multiprocessing.get_context("fork")) as pool:
+    with workers.pool(min(jobs, len(groups)), "fork") as pool:
         for arrays, notes in pool.map(partial(_fit_arrays, config=config), groups):
             yield Skill.from_arrays(arrays), notes
 

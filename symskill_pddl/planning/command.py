@@ -1,8 +1,8 @@
 """`command:TEMPLATE`: any planner that is a program, like ``command:popf {domain} {problem}``.
 
-The program is run without a shell, in a folder of its own, with limits on time, memory and output; when it ends, so does
-every process it started. Its plan is read from the file that `{plan}` names, or from what it prints. A plan is only believed
-after it was run by our own semantics.
+The program is run without a shell, in a folder of its own, with limits on time, memory, processes, disk and output; when it
+ends, or we do, so does every process it started. Its plan is read from the file that `{plan}` names or the last of its numbered
+ones, or from what it prints. A plan is only believed after it was run by our own semantics.
 """
 
 from __future__ import annotations
@@ -11,15 +11,13 @@ import re
 import shlex
 import time
 from dataclasses import dataclass
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from symskill_pddl.errors import InputError
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.pddl.plan import read_plan, step_lines
 from symskill_pddl.planning.engine import Engine, proven
-from symskill_pddl.planning.process import run
+from symskill_pddl.planning.process import plan_files, run, work_folder
 from symskill_pddl.planning.protocol import Limits, PlanResult, Status
 from symskill_pddl.symbols import Domain, Plan, Problem, validate
 
@@ -66,17 +64,15 @@ class Command(Engine):
             "domain": write_domain(exported_domain, dialect=self.dialect),
             "problem": write_problem(exported_problem, exported_domain, dialect=self.dialect),
         }
-        with TemporaryDirectory(prefix="symskill-") as folder:
-            files = {field: Path(folder) / f"{field}.pddl" for field in texts} | {"plan": Path(folder) / "plan.txt"}
+        with work_folder() as folder:
+            files = {field: folder / f"{field}.pddl" for field in texts} | {"plan": folder / "plan.txt"}
             for field, text in texts.items():
                 files[field].write_text(text, encoding="utf-8")
             words = [re.sub(r"{(\w+)}", lambda m: str(files[m[1]]), word) for word in shlex.split(self.template)]
-            output = Path(folder) / "output.txt"
-            exit_status = run(words, Path(folder), output, limits, time_s=limits.time_s)
-            printed = output.read_text(encoding="utf-8", errors="replace")
-            text = files["plan"].read_text(encoding="utf-8", errors="replace") if files["plan"].exists() else ""
+            ended = run(words, folder, limits, time_s=limits.time_s)
+            text = next(reversed(plan_files(folder, "plan.txt")), "")
         if not text and "{plan}" not in self.template:
-            text = step_lines(printed, exported_domain)
+            text = step_lines(ended.output, exported_domain)
         if text:
             try:
                 plan = names.inverse().plan(read_plan(text, exported_domain, exported_problem.object_types, words[0]))
@@ -87,9 +83,11 @@ class Command(Engine):
             return result(Status.SOLVED, Plan(plan.steps, cost))
         if problem.goal <= problem.init:
             return result(Status.SOLVED, Plan((), 0.0), "the goal holds already")
-        if exit_status is None:
-            return result(Status.TIMEOUT, None, f"the time limit of {limits.time_s:g} s passed")
-        if found := _UNSOLVABLE.search(printed):
+        if ended.out_of_time:
+            return result(Status.TIMEOUT, None, ended.stopped)
+        if ended.stopped:
+            return result(Status.FAILED, None, f"'{words[0]}' was ended: {ended.stopped}")
+        if found := _UNSOLVABLE.search(ended.output):
             return proven(result(Status.UNSOLVABLE, None, f"'{words[0]}' says '{found[0]}'"), domain, self.dialect)
-        last = (printed.strip().splitlines() or ["nothing"])[-1]
-        return result(Status.FAILED, None, f"'{words[0]}' ended with status {exit_status} and no plan; it said last: {last}")
+        said = f"'{words[0]}' ended with status {ended.status} and no plan; it said last: {ended.last_line}"
+        return result(Status.FAILED, None, said)

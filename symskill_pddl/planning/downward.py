@@ -10,10 +10,9 @@ import time
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from symskill_pddl.errors import MissingDependencyError
-from symskill_pddl.planning.process import last_line, run
+from symskill_pddl.planning.process import Ended, plan_files, run, work_folder
 from symskill_pddl.planning.protocol import Limits, Status
 from symskill_pddl.planning.text import Answer, Ask, Reader, Text
 from symskill_pddl.symbols import Problem
@@ -51,21 +50,17 @@ class FastDownward(Reader):
 
         def ask(problem: Problem, limits: Limits) -> Answer:
             deadline = time.monotonic() + limits.time_s
-            with TemporaryDirectory(prefix="symskill-") as name:
-                at = Path(name)
+            with work_folder() as at:
                 (at / "domain.pddl").write_text(domain, encoding="utf-8")
                 (at / "problem.pddl").write_text(text.problem(problem), encoding="utf-8")
                 translate = [sys.executable, "-I", "-S", "-c", _TRANSLATE, str(site), "domain.pddl", "problem.pddl"]
-                output = at / "output.txt"
-                status = run([*translate, "--sas-file", "task.sas"], at, output, limits, time_s=limits.time_s)
-                if status == 0:
+                ended = run([*translate, "--sas-file", "task.sas"], at, limits, time_s=limits.time_s)
+                if ended.status == 0:
                     config = _OPTIMAL if self.optimal else _GREEDY
                     words = [str(search), "--search", config, "--internal-plan-file", "plan.txt"]
-                    left = deadline - time.monotonic()
-                    status = run(words, at, output, limits, time_s=left, stdin=at / "task.sas")
-                if status == 0 and (at / "plan.txt").exists():
-                    return Answer(Status.SOLVED, (at / "plan.txt").read_text(encoding="utf-8"))
-                return _no_plan(status, output, axioms="(forall" in domain)
+                    ended = run(words, at, limits, time_s=deadline - time.monotonic(), stdin=at / "task.sas")
+                plans = plan_files(at, "plan.txt") if ended.status == 0 else ()
+            return Answer(Status.SOLVED, plans[-1]) if plans else _no_plan(ended, axioms="(forall" in domain)
 
         return ask
 
@@ -77,9 +72,12 @@ class FastDownward(Reader):
         return Path(found.origin).parent, Path(next(iter(translator.submodule_search_locations))).parent
 
 
-def _no_plan(status: int | None, output: Path, *, axioms: bool) -> Answer:
-    if status is None or status in _OUT_OF_TIME:
+def _no_plan(ended: Ended, *, axioms: bool) -> Answer:
+    status = ended.status
+    if ended.out_of_time or status in _OUT_OF_TIME:
         return Answer(Status.TIMEOUT)
+    if ended.stopped:
+        return Answer(Status.FAILED, messages=(f"fast-downward was ended: {ended.stopped}",))
     if status in _UNSOLVABLE or (status in _EXHAUSTED and not axioms):
         # FF's heuristic is infinite only where the relaxed problem has no plan; with axioms, which `forall` becomes, it may err
         return Answer(Status.UNSOLVABLE, messages=(f"fast-downward ended with status {status}: no plan exists",))
@@ -87,4 +85,4 @@ def _no_plan(status: int | None, output: Path, *, axioms: bool) -> Answer:
         return Answer(
             Status.FAILED, messages=("this search of fast-downward does not support the domain's quantified conditions",)
         )
-    return Answer(Status.FAILED, messages=(f"fast-downward ended with status {status}; it said last: {last_line(output)}",))
+    return Answer(Status.FAILED, messages=(f"fast-downward ended with status {status}; it said last: {ended.last_line}",))

@@ -1,104 +1,220 @@
-"""Running a planner that is a program: no shell, limits on time, memory and output, and no process of it left behind."""
+"""Running a planner that is a program: no shell, bounds on time, memory, processes, disk and output, and nothing of it is left.
+
+Between us and the program stands `supervisor.py`, a process of its own, so that the program ends with us whatever ends us.
+"""
 
 from __future__ import annotations
 
-import contextlib
 import os
-import resource
-import select
+import re
+import secrets
+import shutil
 import signal
+import stat
 import subprocess
-from collections.abc import Sequence
-from functools import partial
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
+from tempfile import mkdtemp
 
 from symskill_pddl.errors import InputError
 from symskill_pddl.planning.protocol import Limits
 
 _GRACE_S = 0.5
-"""Between asking a program to end and ending it."""
-_OUTPUT_BYTES = 50_000_000
+_GRACE_PART = 0.1
+"""Between asking a program to end and ending it: this part of its time, and so many seconds at most."""
+_PROCESSES = 256
+_FILE_BYTES = 50_000_000
+_FOLDER_BYTES = 200_000_000
+_TEXT_BYTES = 4_000_000
+"""Of what is printed the last, and of a plan file the first: a plan of that length has more than a hundred thousand steps."""
+_PLANS = 20
+"""Of numbered plan files the last."""
+_MARK = "SYMSKILL_PLANNER"
+"""In the environment of a program and of all that it starts, with a value of the call's own."""
 
 
-def run(
-    words: Sequence[str], folder: Path, output: Path, limits: Limits, *, time_s: float, stdin: Path | None = None
-) -> int | None:
-    """Exit status, or None where the time ran out.
+@dataclass(frozen=True)
+class Ended:
+    """How a program ended.
 
-    The program gets a session of its own, and whatever still runs in it when the program ends is ended with it: killing only
-    the program that was started would leave the search of a driver running.
+    Attributes
+    ----------
+    status : int or None
+        Exit status, the negative number of a signal; None where it was ended for passing a bound.
+    stopped : str
+        The bound that it passed, in words; empty where it ended by itself.
+    output : str
+        What it printed, errors included; of more than four million bytes the last.
+    printed : int
+        How much it printed [bytes].
+    """
+
+    status: int | None
+    stopped: str
+    output: str
+    printed: int = 0
+
+    @property
+    def out_of_time(self) -> bool:
+        return self.stopped.startswith("the time limit")
+
+    @property
+    def last_line(self) -> str:
+        """What it said last, for a message."""
+        return (self.output.strip().splitlines() or ["nothing"])[-1].strip()
+
+
+@contextmanager
+def work_folder() -> Iterator[Path]:
+    """A temporary folder for a program, removed afterwards whatever the program made in it."""
+    folder = Path(mkdtemp(prefix="symskill-")).resolve()
+    try:
+        yield folder
+    finally:
+        try:
+            shutil.rmtree(folder, onerror=_open_and_remove)
+        except (OSError, RecursionError):  # folders a thousand deep
+            subprocess.run(["rm", "-rf", "--", str(folder)], stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+
+
+def run(words: Sequence[str], folder: Path, limits: Limits, *, time_s: float, stdin: Path | None = None) -> Ended:
+    """Run a program in a folder until it ends or passes a bound; then end whatever it started that still runs.
 
     Parameters
     ----------
-    output : Path
-        Takes what the program prints, errors included.
+    folder : Path
+        From `work_folder`; also for the program's temporary files. It is removed where this process is ended meanwhile.
     time_s : float
-        Wall-clock time [s]; of `limits` only the memory is used.
+        Wall-clock time [s]; of `limits` only the memory is used, for each process and for all together.
 
     Raises
     ------
     InputError
         The program cannot be started.
     """
+    out_of_time = f"the time limit of {limits.time_s:g} s passed"
     if time_s <= 0.0:
-        return None
-    with output.open("wb") as stream, (stdin or Path(os.devnull)).open("rb") as source:
-        try:
-            process = subprocess.Popen(
-                words,
-                cwd=folder,
-                stdin=source,
-                stdout=stream,
-                stderr=subprocess.STDOUT,
-                start_new_session=True,
-                # before the program begins: set from outside, the limits came too late for a quick one
-                preexec_fn=partial(_limit, limits.memory_mb * 1024 * 1024),
-            )
-        except OSError as error:
-            raise InputError(f"cannot run the planner '{words[0]}': {error.strerror}") from None
-        try:
-            try:
-                return _wait(process, time_s)
-            except subprocess.TimeoutExpired:
-                _signal(process.pid, signal.SIGTERM)
-                with contextlib.suppress(subprocess.TimeoutExpired):
-                    process.wait(_GRACE_S)
-                return None
-        finally:
-            _signal(process.pid, signal.SIGKILL)
-            process.wait()
+        return Ended(None, out_of_time, "")
+    if os.name != "posix":
+        raise InputError(f"cannot run the planner '{words[0]}': planners that are programs need Linux or macOS")
+    memory = limits.memory_mb * 1024 * 1024
+    grace_s = min(_GRACE_S, _GRACE_PART * time_s)
+    bounds = (os.getpid(), time.monotonic() + time_s, grace_s, memory, _PROCESSES, _FILE_BYTES, _FOLDER_BYTES, _TEXT_BYTES)
+    call = [*map(str, bounds), str(folder), str(stdin or os.devnull), *words]
+    what, number, printed, output = _supervised(call, folder, patience_s=1.1 * time_s + 10.0)
+    if what == "refused":
+        raise InputError(f"cannot run the planner '{words[0]}': {os.strerror(number)}")
+    stopped = {
+        "ended": "",
+        "time": out_of_time,
+        "memory": f"its processes used more than {limits.memory_mb} MiB of memory",
+        "processes": f"it ran more than {_PROCESSES} processes at once",
+        "disk": f"it wrote more than {_FOLDER_BYTES // 1_000_000} MB or ten thousand files",
+        "lost": "the process that watched it was ended",
+    }[what]
+    return Ended(None if stopped else number, stopped, output.decode("utf-8", errors="replace"), printed)
 
 
-def _limit(memory_bytes: int) -> None:
-    """In the child: bounds on the address space and on what is written."""
-    for kind, bound in ((resource.RLIMIT_AS, memory_bytes), (resource.RLIMIT_FSIZE, _OUTPUT_BYTES)):
-        hard = resource.getrlimit(kind)[1]
-        least = bound if hard == resource.RLIM_INFINITY else min(bound, hard)
-        resource.setrlimit(kind, (least, least))
-
-
-def _wait(process: subprocess.Popen[bytes], time_s: float) -> int:
-    """As `process.wait`, which looks every 50 ms; where the kernel can tell, this wakes up at once."""
-    if not hasattr(os, "pidfd_open"):
-        return process.wait(time_s)
+def _supervised(call: list[str], folder: Path, patience_s: float) -> tuple[str, int, int, bytes]:
+    """The supervisor's report: what happened, a number, the bytes printed and the last of them."""
+    mark = f"{os.getpid()}-{secrets.token_hex(8)}"
+    supervisor = Path(__file__).with_name("supervisor.py")
+    control, held = os.pipe()
     try:
-        ended = os.pidfd_open(process.pid)
-    except OSError:
-        return process.wait(time_s)
-    try:
-        if not select.select([ended], [], [], time_s)[0]:
-            raise subprocess.TimeoutExpired(process.args, time_s)
+        process = subprocess.Popen(
+            [sys.executable, "-I", "-S", str(supervisor), *call],
+            stdin=control,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+            env={**os.environ, "TMPDIR": str(folder), _MARK: mark},
+        )
+    except OSError as error:
+        os.close(held)
+        raise InputError(f"cannot start the process that watches a planner: {error.strerror}") from None
     finally:
-        os.close(ended)
-    return process.wait()
+        os.close(control)
+    report = b""
+    try:
+        with suppress(subprocess.TimeoutExpired):
+            report, _ = process.communicate(timeout=patience_s)
+    finally:
+        os.close(held)  # the supervisor ends at that, if it has not ended already
+        if process.poll() is None:
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(6.0)
+        if process.returncode != 0 or not report:  # the planner may have ended or stopped it
+            process.kill()
+            process.wait()
+            _sweep(f"{_MARK}={mark}".encode())
+        if process.stdout is not None:
+            process.stdout.close()
+    first, _, output = report.partition(b"\n")
+    if process.returncode != 0 or not first:
+        return "lost", 0, 0, b""
+    what, number, printed = first.split()
+    return what.decode(), int(number), int(printed), output
 
 
-def last_line(output: Path) -> str:
-    """What the program said last, for a message."""
-    printed = output.read_text(encoding="utf-8", errors="replace") if output.exists() else ""
-    return (printed.strip().splitlines() or ["nothing"])[-1].strip()
+def _sweep(mark: bytes) -> None:
+    """End every process with a mark in its environment, where the system shows environments."""
+    for _ in range(100):
+        found = [path for path in Path("/proc").glob("[0-9]*/environ") if mark in _environment(path).split(b"\0")]
+        if not found:
+            return
+        for path in found:
+            with suppress(OSError):
+                os.kill(int(path.parent.name), signal.SIGKILL)
+        time.sleep(0.02)
 
 
-def _signal(group: int, number: signal.Signals) -> None:
-    with contextlib.suppress(ProcessLookupError, PermissionError):
-        os.killpg(group, number)
+def _environment(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""
+
+
+def plan_files(folder: Path, name: str) -> tuple[str, ...]:
+    """Texts of the plan files in a program's folder: the one of that name first, then those with numbers, the newest last.
+
+    A program may make anything there. Only regular files are read, and links to them within the folder; FIFOs, devices, folders
+    and links that lead elsewhere are passed over.
+    """
+    stem = name.partition(".")[0]
+    numbered = re.compile(rf"{re.escape(name)}|({re.escape(name)}|{re.escape(stem)})[._-]?(?P<number>[0-9].*)")
+    found = (
+        ([int(digits) for digits in re.findall(r"[0-9]{1,18}", match["number"] or "")], path.name, text)
+        for path in folder.iterdir()
+        if (match := numbered.fullmatch(path.name)) and (text := _text(path, folder))
+    )
+    return tuple(text for _, _, text in sorted(found)[-_PLANS:])
+
+
+def _text(path: Path, folder: Path) -> str:
+    """The beginning of a regular file; empty where it is none."""
+    try:
+        path = path.resolve(strict=True)
+        if not path.is_relative_to(folder.resolve()):
+            return ""
+        # not blocking, for a FIFO that takes the file's place between two looks
+        with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW), "rb") as file:  # noqa: PTH123
+            regular = stat.S_ISREG(os.fstat(file.fileno()).st_mode)
+            return file.read(_TEXT_BYTES).decode("utf-8", errors="replace") if regular else ""
+    except (OSError, RuntimeError):  # RuntimeError: a loop of links
+        return ""
+
+
+def _open_and_remove(_function: object, path: str, _error: object) -> None:
+    """For `rmtree`: what a program made unreadable is made readable, and removed."""
+    with suppress(OSError):
+        Path(path).parent.chmod(0o700)
+        if Path(path).is_dir() and not Path(path).is_symlink():
+            Path(path).chmod(0o700)
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            Path(path).unlink()

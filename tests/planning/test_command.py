@@ -72,33 +72,15 @@ def test_no_plan_for_a_text_that_needs_more_proves_nothing(tmp_path, dialect):
     assert planner.solve(kitchen(), covered_egg()).status is Status.UNSOLVABLE
 
 
-def test_time_runs_out_and_no_process_is_left(tmp_path):
-    code = "import subprocess as s; c = s.Popen([sys.executable, '-c', 'import time; time.sleep(60)']); "
-    code += f"open({str(tmp_path / 'pid')!r}, 'w').write(str(c.pid)); time.sleep(60)"
-    result = program(tmp_path, code).solve(kitchen(), covered_egg(), Limits(time_s=0.8))
-    assert result.status is Status.TIMEOUT
-    assert result.seconds < 5.0
-    child = int((tmp_path / "pid").read_text())
-    for _ in range(50):
-        try:
-            os.kill(child, 0)
-        except ProcessLookupError:
-            return
-        if ") Z " in Path(f"/proc/{child}/stat").read_text():  # ended, and nobody has asked for its status
-            return
-        time.sleep(0.05)
-    pytest.fail("the child still runs")
-
-
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc to look for processes")
-def test_no_process_is_left_after_a_hundred_time_outs(tmp_path, monkeypatch):
+def test_no_process_is_left_after_many_time_outs(tmp_path, monkeypatch):
     """A planner with a child of its own, both of which would sleep for a minute."""
     mark = f"SYMSKILL_TEST_{os.getpid()}"
     monkeypatch.setenv(mark, "1")
     script = tmp_path / "planner.sh"
     script.write_text("sleep 60 &\nsleep 60\n")
     planner = Command(f"sh {script} {{domain}} {{problem}}")
-    for _ in range(100):
+    for _ in range(30):
         assert planner.solve(kitchen(), covered_egg(), Limits(time_s=0.01)).status is Status.TIMEOUT
     for _ in range(40):
         if not (left := running(mark)):
