@@ -148,7 +148,10 @@ def groundings(classifier: Classifier, objects: dict[str, str]) -> Iterator[tupl
 def abstract(
     scene: Scene, classifiers: Iterable[Classifier], *, before: State = frozenset(), gripper: GripperRule | None = None
 ) -> State:
-    """The set of true ground atoms of a scene. `before` is the previous state (hysteresis); empty at the start."""
+    """The set of true ground atoms of a scene. `before` is the previous state (hysteresis); empty at the start.
+
+    An atom about an unseen object keeps its value: that nobody sees a thing does not mean that anything has changed.
+    """
     state = set()
     open_atom = Atom(GRIPPER_OPEN)
     if (gripper or GripperRule()).holds(scene.aperture, scene.gripper_closed, before=open_atom in before):
@@ -161,6 +164,8 @@ def abstract(
     held = [row for atom in before for row in table.rows.get(atom, ())]
     threshold[held] = table.leaves[held]
     state.update(table.atoms[row] for row in np.flatnonzero(table.margins(scene) >= threshold).tolist())
+    if scene.unseen:
+        state = {a for a in state if scene.unseen.isdisjoint(a.args)} | {a for a in before if not scene.unseen.isdisjoint(a.args)}
     return frozenset(state)
 
 
@@ -273,6 +278,7 @@ def abstract_recording(
     *,
     gripper: GripperRule | None = None,
     frames: int = 2,
+    seen: BoolArray | None = None,
 ) -> dict[Atom, BoolArray]:
     """`abstract` along n moments at once, with hysteresis and debounce: the truth (n,) of every atom that ever holds.
 
@@ -288,6 +294,8 @@ def abstract_recording(
     gripper : GripperRule, optional
     frames : int
         Equal readings before an atom changes.
+    seen : ndarray of bool (n, n_obj), optional
+        Where the objects are seen: elsewhere an atom keeps its value, and is false before the first sight.
     """
     rule, order = gripper or GripperRule(), {name: i for i, name in enumerate(objects)}
     fingers, states = False, []
@@ -300,6 +308,10 @@ def abstract_recording(
         for atom, parent, child in groundings(classifier, objects):
             T_world_child = T_world_ee if child == GRIPPER else T_world_objects[:, order[child]]
             margin = classifier.margin(inverse[:, order[parent]] @ T_world_child)
+            if seen is not None:
+                involved = [order[name] for name in (parent, child) if name != GRIPPER]
+                # neither enters nor leaves
+                margin = np.where(seen[:, involved].all(axis=1), margin, np.nan)
             if (margin >= 0.0).any():
                 found[atom] = hysteresis(margin, classifier.leave_factor)
     return {atom: truth for atom, raw in found.items() if (truth := debounce(raw, frames)).any()}

@@ -37,6 +37,8 @@ class Scene:
         Type of each object, in a fixed order.
     T_world_objects : Pose
         Poses (n,) of the objects, in that order.
+    unseen : frozenset of str
+        Objects that are out of sight: their pose is the last one that was seen.
     """
 
     time: float
@@ -45,12 +47,16 @@ class Scene:
     gripper_closed: bool
     objects: dict[str, str]
     T_world_objects: Pose
+    unseen: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         if GRIPPER in self.objects:
             raise InputError(f"'{GRIPPER}' is the end effector's name, an object must have another one")
         if self.T_world_objects.shape != (len(self.objects),):
             raise InputError(f"{len(self.objects)} objects need {len(self.objects)} poses, got {self.T_world_objects.shape}")
+        if not self.unseen <= self.objects.keys():
+            unknown = min(self.unseen - self.objects.keys())
+            raise InputError(f"unseen names the unknown object '{unknown}'; the scene has: {alternatives(self.objects)}")
 
     def pose(self, frame: str) -> Pose:
         """`T_world_frame` of an object, or of the end effector under the name 'gripper'."""

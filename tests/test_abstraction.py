@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -199,3 +201,27 @@ def test_all_groundings_at_once_are_each_by_itself(seed):
         if c.holds(T, before=atom in before):
             expected.add(atom)
     assert abstract(scene, kinds, before=before) == expected | {Atom(GRIPPER_OPEN)}
+
+
+def test_an_atom_about_an_unseen_object_keeps_its_value():
+    c = classifier()
+    atom, objects = Atom("at", ("cheese", "desk")), {"cheese": "food", "desk": "table"}
+    here = Scene(0.0, Pose.identity(), 0.0, True, objects, Pose.stack([at(0.0), at(0.0)]))
+    away = Scene(0.0, Pose.identity(), 0.0, True, objects, Pose.stack([at(1.0), at(0.0)]))
+    for name in objects:
+        assert abstract(replace(away, unseen=frozenset({name})), [c], before=frozenset({atom})) == {atom}
+        assert abstract(replace(here, unseen=frozenset({name})), [c]) == frozenset()
+    assert abstract(away, [c], before=frozenset({atom})) == frozenset()
+
+
+def test_along_a_recording_an_unseen_object_changes_nothing():
+    c = classifier()
+    x = np.array([1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
+    seen = np.array([[0, 1, 1, 1, 1, 0, 0, 1], [1] * 8], bool).T
+    T = Pose(
+        np.stack([np.stack([x, 0 * x], axis=1), np.zeros((8, 2)), np.zeros((8, 2))], axis=2), np.tile([1.0, 0, 0, 0], (8, 2, 1))
+    )
+    found = abstract_recording(
+        {"cheese": "food", "desk": "table"}, T[:, 0], np.zeros(8), np.ones(8, bool), T, [c], frames=1, seen=seen
+    )
+    np.testing.assert_array_equal(found[Atom("at", ("cheese", "desk"))], [0, 0, 1, 1, 1, 1, 1, 0])

@@ -1,5 +1,7 @@
 """Scenes and commands validate themselves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -27,6 +29,12 @@ def test_an_unknown_frame_lists_what_exists() -> None:
 def test_as_many_poses_as_objects() -> None:
     with pytest.raises(InputError, match="2 objects need 2 poses"):
         scene({"a": "x", "b": "x"}, 1)
+
+
+def test_only_an_object_can_be_unseen() -> None:
+    assert replace(scene({"cup": "cup"}, 1), unseen=frozenset({"cup"})).unseen == {"cup"}
+    with pytest.raises(InputError, match="unseen names the unknown object 'pan'; the scene has: cup"):
+        replace(scene({"cup": "cup"}, 1), unseen=frozenset({"pan"}))
 
 
 def test_no_object_is_called_gripper() -> None:

@@ -62,10 +62,12 @@ def _samples(library: Library, name: str) -> tuple[Pose, np.ndarray[tuple[int], 
                 demo.T_world_objects,
                 [classifier],
                 gripper=library.gripper,
+                seen=demo.seen,
             )
             for atom, parent, child in groundings(classifier, demo.objects):
-                poses.append(demo.pose(parent).inverse() @ demo.pose(child))
-                holds.append(truth.get(atom, np.zeros(len(demo), dtype=bool)))
+                known = demo.sees(parent) & demo.sees(child)
+                poses.append((demo.pose(parent).inverse() @ demo.pose(child))[known])
+                holds.append(truth.get(atom, np.zeros(len(demo), dtype=bool))[known])
     if not poses:
         return Pose(np.zeros((0, 3)), np.zeros((0, 4))), np.zeros(0, dtype=bool)
     T = Pose(np.concatenate([p.p for p in poses]), np.concatenate([p.q for p in poses]))

@@ -42,7 +42,10 @@ class Demo:
     objects : dict of str to str
         Type of each object, in a fixed order.
     T_world_objects : Pose (n, n_obj)
-        Poses of the objects, in that order.
+        Poses of the objects, in that order. Where an object is not seen this is its last seen pose, before the first sight the
+        first one, whatever was given there.
+    seen : ndarray of bool (n, n_obj)
+        Whether the pose is a measurement; all are, if nothing else is said. Every object is seen at least once.
     extents : dict of str to (float, float, float)
         Half sizes [m] of the bounding box per type, in the object's axes; types may be missing.
     attributes : dict of str to str, int or float
@@ -51,8 +54,8 @@ class Demo:
     Raises
     ------
     InputError
-        If lengths disagree, a number is not finite, the times do not increase, there are fewer than two samples, or a name
-        cannot be used.
+        If lengths disagree, a number is not finite, the times do not increase, there are fewer than two samples, an object is
+        never seen, or a name cannot be used.
     """
 
     name: str
@@ -66,6 +69,7 @@ class Demo:
     T_world_objects: Pose
     extents: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     attributes: dict[str, str | int | float] = field(default_factory=dict)
+    seen: BoolArray = field(default_factory=lambda: np.array(True))
 
     @classmethod
     def from_scenes(
@@ -80,21 +84,17 @@ class Demo:
     ) -> Demo:
         """What a world showed while somebody drove it: the scenes that its `observe` and `step` returned, in order.
 
+        Objects may come and go: one that a scene does not hold is not seen in it.
+
         Raises
         ------
         InputError
-            As above; fewer than two scenes, or scenes of different objects.
+            As above; fewer than two scenes, or an object whose type changes.
         """
         where = f"{source}:{name}"
         if len(scenes) < 2:
             raise InputError(f"{where}: a demonstration needs at least 2 scenes, got {len(scenes)}")
-        objects = scenes[0].objects
-        for i, scene in enumerate(scenes):
-            if list(scene.objects.items()) != list(objects.items()):
-                raise InputError(
-                    f"{where}: scene {i} has the objects {alternatives(scene.objects)}, scene 0 has {alternatives(objects)}; "
-                    "the same, with the same types and in the same order, are needed"
-                )
+        objects, T_world_objects, seen = _sighted(scenes, where)
         return cls(
             name=name,
             source=source,
@@ -104,9 +104,10 @@ class Demo:
             aperture=np.array([s.aperture for s in scenes]),
             gripper_closed=np.array([s.gripper_closed for s in scenes], bool),
             objects=objects,
-            T_world_objects=Pose.stack([s.T_world_objects for s in scenes]),
+            T_world_objects=T_world_objects,
             extents=dict(extents or {}),
             attributes=dict(attributes or {}),
+            seen=seen,
         )
 
     def __post_init__(self) -> None:
@@ -122,6 +123,7 @@ class Demo:
         object.__setattr__(self, "attributes", dict(self.attributes))
         self._check_names()
         self._check_arrays()
+        self._hold_unseen()
 
     def _check_names(self) -> None:
         for what, text in (
@@ -171,6 +173,24 @@ class Demo:
         if np.any(self.aperture < -1e-3):  # encoders of a closed hand read a little below zero
             raise InputError(f"{self.where}: an aperture is negative ({self.aperture.min():g} m)")
 
+    def _hold_unseen(self) -> None:
+        """Give every sample without a measurement the last pose that was one."""
+        shape = (len(self.times), len(self.objects))
+        seen = np.array(self.seen)
+        if seen.dtype != np.bool_ or seen.shape not in ((), shape):
+            raise InputError(f"{self.where}: seen has to be boolean {shape}, got {seen.dtype} {seen.shape}")
+        seen = np.array(np.broadcast_to(seen, shape))
+        seen.setflags(write=False)
+        object.__setattr__(self, "seen", seen)
+        if seen.all():
+            return
+        never = [obj for obj, ever in zip(self.objects, seen.any(axis=0), strict=True) if not ever]
+        if never:
+            raise InputError(f"{self.where}: '{never[0]}' is never seen; leave it out of this demonstration")
+        last = np.maximum.accumulate(np.where(seen, np.arange(len(seen))[:, None], -1), axis=0)
+        last = np.where(last < 0, seen.argmax(axis=0), last)
+        object.__setattr__(self, "T_world_objects", self.T_world_objects[last, np.arange(len(self.objects))])
+
     @property
     def where(self) -> str:
         """Identifier for messages and evidence, ``file:demo_0``."""
@@ -193,18 +213,43 @@ class Demo:
             gripper_closed=bool(self.gripper_closed[i]),
             objects=self.objects,
             T_world_objects=self.T_world_objects[i],
+            unseen=frozenset(obj for obj, there in zip(self.objects, self.seen[i], strict=True) if not there),
         )
 
     def pose(self, frame: str) -> Pose:
         """`T_world_frame` (n,) of an object, or of the end effector under the name 'gripper'."""
-        if frame == GRIPPER:
-            return self.T_world_ee
+        return self.T_world_ee if frame == GRIPPER else self.T_world_objects[:, self._column(frame)]
+
+    def sees(self, frame: str) -> BoolArray:
+        """Whether the pose (n,) of an object is a measurement; that of the end effector, 'gripper', always is."""
+        return np.ones(len(self), bool) if frame == GRIPPER else self.seen[:, self._column(frame)]
+
+    def _column(self, obj: str) -> int:
         try:
-            return self.T_world_objects[:, list(self.objects).index(frame)]
+            return list(self.objects).index(obj)
         except ValueError:
             raise InputError(
-                f"{self.where}: unknown object '{frame}'; the demonstration has: {alternatives(self.objects)}"
+                f"{self.where}: unknown object '{obj}'; the demonstration has: {alternatives(self.objects)}"
             ) from None
+
+
+def _sighted(scenes: Sequence[Scene], where: str) -> tuple[dict[str, str], Pose, BoolArray]:
+    """The objects that any of n scenes shows, in order of appearance, their poses (n, n_obj), and where they are seen."""
+    types: dict[str, str] = {}
+    for i, scene in enumerate(scenes):
+        for obj, type_ in scene.objects.items():
+            if types.setdefault(obj, type_) != type_:
+                raise InputError(f"{where}: '{obj}' is of type '{type_}' in scene {i}, of type '{types[obj]}' before")
+    shown = {obj for scene in scenes for obj in scene.objects.keys() - scene.unseen}
+    objects = {obj: type_ for obj, type_ in types.items() if obj in shown}
+    column = {obj: k for k, obj in enumerate(objects)}
+    poses, seen = np.tile(Pose.identity().vector(), (len(scenes), len(objects), 1)), np.zeros((len(scenes), len(objects)), bool)
+    for i, scene in enumerate(scenes):
+        rows = [(row, column[obj]) for row, obj in enumerate(scene.objects) if obj in shown and obj not in scene.unseen]
+        here, there = [row for row, _ in rows], [k for _, k in rows]
+        poses[i, there] = scene.T_world_objects[here].vector()
+        seen[i, there] = True
+    return objects, Pose.from_vector(poses), seen
 
 
 def merged_extents(demos: tuple[Demo, ...]) -> Mapping[str, tuple[float, float, float]]:

@@ -5,11 +5,14 @@
     data                    attributes: format, schema_version, units, quaternion_order, total, checksum
       demo_0                attributes: task, num_samples, object_order and extents (JSON), and the recorder's own (seed, ...)
         times          (n,)    s
-        ee_pose        (n, 7)  m and quaternion (w, x, y, z), world frame
-        aperture       (n,)    m
+        ee_pose        (n, 7)  m and quaternion (w, x, y, z), world frame; NaN where the hand is not seen
+        aperture       (n,)    m, or NaN
         gripper_closed (n,)    0 or 1
         objects
-          <name>       (n, 7)  attribute: type
+          <name>       (n, 7)  as ee_pose, NaN where the object is not seen; attribute: type
+
+A row of NaN is a missing pose (`Demo.seen`); an object that is never seen is left out. A moment without the hand, or without its
+aperture, is left out whole: a gap in time.
 
 Beside `data` there may be a group `truth` (`truth`): what really happened, for scores. Nothing here reads it.
 
@@ -39,8 +42,10 @@ if TYPE_CHECKING:
     import h5py
 
 FORMAT = "symskill-demos"
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
+"""Version 2 may hold rows of NaN; version 1, which may not, is read too."""
 _RESERVED = frozenset({"task", "num_samples", "object_order", "extents"})
+_NOWHERE = Pose.identity().vector()
 _HEADER = {"units": "m, s, rad", "quaternion_order": "wxyz"}
 
 
@@ -166,7 +171,7 @@ def _write_demo(group: Any, demo: Demo) -> None:
     for name, values in _arrays(demo).items():
         _dataset(group, name, values)
     objects = _group(group, "objects")
-    poses = demo.T_world_objects.vector()
+    poses = _sighted(demo)
     for i, (name, type_) in enumerate(demo.objects.items()):
         _dataset(objects, name, poses[:, i]).attrs["type"] = type_
 
@@ -180,13 +185,18 @@ def _arrays(demo: Demo) -> dict[str, Any]:
     }
 
 
+def _sighted(demo: Demo) -> Array:
+    """Poses of the objects (n, n_obj, 7), NaN where they are not seen."""
+    return np.where(demo.seen[..., None], demo.T_world_objects.vector(), np.nan)
+
+
 def _checksum(demos: Iterable[Demo]) -> str:
     """SHA-256 over everything that is read back, in reading order."""
     digest = hashlib.sha256()
     for demo in demos:
         plain = [demo.name, demo.task, list(demo.objects.items()), sorted(demo.extents.items()), sorted(demo.attributes.items())]
         digest.update(json.dumps(plain).encode())
-        for values in (*_arrays(demo).values(), demo.T_world_objects.vector()):
+        for values in (*_arrays(demo).values(), _sighted(demo)):
             digest.update(np.ascontiguousarray(values).astype(values.dtype.newbyteorder("<")).tobytes())
     return f"sha256:{digest.hexdigest()}"
 
@@ -250,8 +260,9 @@ class _Reader:
                 raise self.fail("data", "this is a robosuite or robomimic recording; convert it with 'symskill import'")
             raise self.fail("data", f"attribute 'format' has to be '{FORMAT}', found {found!r}")
         version = data.attrs.get("schema_version")
-        if version != SCHEMA_VERSION:
-            raise self.fail("data", f"schema_version {version!r} cannot be read, this release reads version {SCHEMA_VERSION}")
+        if version not in range(1, SCHEMA_VERSION + 1):
+            known = f"versions 1 to {SCHEMA_VERSION}"
+            raise self.fail("data", f"schema_version {version!r} cannot be read, this release reads {known}")
         for key, wanted in _HEADER.items():
             if data.attrs.get(key) != wanted:
                 raise self.fail("data", f"attribute '{key}' has to be '{wanted}', found {data.attrs.get(key)!r}")
@@ -265,7 +276,7 @@ class _Reader:
         times = self._values(group, inside, "times", ())
         n = len(times)
         ee = self._poses(group, inside, "ee_pose", n)
-        aperture = self._values(group, inside, "aperture", (), n)
+        aperture = self._values(group, inside, "aperture", (), n, gaps=True)
         closed = self._values(group, inside, "gripper_closed", (), n)
         if not np.all((closed == 0) | (closed == 1)):
             raise self.fail(f"{inside}/gripper_closed", "has to hold 0 (open) and 1 (closed) only")
@@ -281,30 +292,39 @@ class _Reader:
                 f"object_order names {alternatives(order)}, the group holds {alternatives(map(str, objects))}",
             )
         extents = self._json(group, inside, "extents", _is_extents, "half sizes [x, y, z] per type")
-        poses = [self._poses(objects, f"{inside}/objects", o, n) for o in order]
+        poses = np.stack([np.zeros((n, 7)), *(self._poses(objects, f"{inside}/objects", o, n) for o in order)], axis=1)[:, 1:]
         types = {o: self._text(objects[o], f"{inside}/objects/{o}", "type") for o in order}
-        stacked = np.stack([T.vector() for T in poses], axis=1) if poses else np.zeros((n, 0, 7))
+        # a moment without the hand shows nothing that can be learned: it is a gap in time
+        hand = ~np.isnan(ee[:, 0]) & ~np.isnan(aperture)
+        if n >= 2 and hand.sum() < 2:
+            raise self.fail(inside, f"the hand's pose or its aperture is missing (NaN) in {n - hand.sum()} of {n} samples")
+        seen = ~np.isnan(poses[hand, :, 0])
+        shown = seen.any(axis=0)
+        there = [types[o] for o, ever in zip(order, shown, strict=True) if ever]
         try:
             return Demo(
                 name=name,
                 source=self.path.stem,
                 task=self._text(group, inside, "task"),
-                times=times,
-                T_world_ee=ee,
-                aperture=aperture,
-                gripper_closed=closed.astype(bool),
-                objects=types,
-                T_world_objects=Pose(stacked[..., :3], stacked[..., 3:]),
-                extents={t: (h[0], h[1], h[2]) for t, h in extents.items()},
+                times=times[hand],
+                T_world_ee=Pose.from_vector(ee[hand]),
+                aperture=aperture[hand],
+                gripper_closed=closed[hand].astype(bool),
+                objects={o: types[o] for o, ever in zip(order, shown, strict=True) if ever},
+                T_world_objects=Pose.from_vector(np.where(seen[..., None], poses[hand], _NOWHERE)[:, shown]),
+                extents={t: (h[0], h[1], h[2]) for t, h in extents.items() if t in there or t not in types.values()},
                 attributes={str(k): self._scalar(v, inside, str(k)) for k, v in group.attrs.items() if k not in _RESERVED},
+                seen=seen[:, shown],
             )
         except FormatError:
             raise
         except InputError as error:
             raise self.fail(inside, str(error).removeprefix(f"{self.path.stem}:{name}: ")) from None
 
-    def _values(self, group: h5py.Group, inside: str, name: str, row: tuple[int, ...], n: int | None = None) -> Array:
-        """A numeric dataset (n, *row), finite, as float64."""
+    def _values(
+        self, group: h5py.Group, inside: str, name: str, row: tuple[int, ...], n: int | None = None, *, gaps: bool = False
+    ) -> Array:
+        """A numeric dataset (n, *row) as float64, finite, or with NaN where there are gaps."""
         import h5py
 
         inside = f"{inside}/{name}"
@@ -320,19 +340,21 @@ class _Reader:
             values = np.asarray(dataset[...], dtype=np.float64)
         except (OSError, RuntimeError) as error:
             raise self.fail(inside, f"cannot be read, the file is damaged ({' '.join(str(error).split())[:120]})") from error
-        bad = np.argwhere(~np.isfinite(values))
+        bad = np.argwhere(np.isinf(values) if gaps else ~np.isfinite(values))
         if bad.size:
             raise self.fail(inside, f"holds a number that is not finite, at index {', '.join(map(str, bad[0]))}")
         return values
 
-    def _poses(self, group: h5py.Group, inside: str, name: str, n: int) -> Pose:
-        values = self._values(group, inside, name, (7,), n)
-        off = np.abs(np.linalg.norm(values[:, 3:], axis=1) - 1.0)
+    def _poses(self, group: h5py.Group, inside: str, name: str, n: int) -> Array:
+        """Poses (n, 7): position and quaternion; all of a row is NaN where any of it is."""
+        values = self._values(group, inside, name, (7,), n, gaps=True)
+        values[np.isnan(values).any(axis=1)] = np.nan
+        off = np.nan_to_num(np.abs(np.linalg.norm(values[:, 3:], axis=1) - 1.0))
         if n and off.max() > 1e-3:
             raise self.fail(
                 f"{inside}/{name}", f"row {int(off.argmax())}: columns 3 to 6 have to be a unit quaternion (w, x, y, z)"
             )
-        return Pose(values[:, :3], values[:, 3:])
+        return values
 
     def _text(self, holder: Any, inside: str, key: str) -> str:
         value = self._scalar(holder.attrs.get(key), inside, key)

@@ -67,7 +67,8 @@ def with_distractors(demo: Demo, truth: Truth, n: int, rng: np.random.Generator)
             np.concatenate([T.q, np.broadcast_to(pose.q, (len(demo), 1, 4))], axis=1),
         )
         relations["at", name, ref] = np.ones(len(demo), dtype=bool)
-    return replace(demo, objects=objects, extents=extents, T_world_objects=T), Truth(truth.moves, relations)
+    seen = np.concatenate([demo.seen, np.ones((len(demo), len(objects) - len(demo.objects)), bool)], axis=1)
+    return replace(demo, objects=objects, extents=extents, T_world_objects=T, seen=seen), Truth(truth.moves, relations)
 
 
 def _free_spot(demo: Demo, T_world_objects: Pose, obj: str, ref: str, rng: np.random.Generator) -> Array | None:
@@ -128,6 +129,7 @@ def _resampled(demo: Demo, truth: Truth, index: NDArray[np.intp]) -> tuple[Demo,
         aperture=demo.aperture[index],
         gripper_closed=demo.gripper_closed[index],
         T_world_objects=demo.T_world_objects[index],
+        seen=demo.seen[index],
     )
     return changed, Truth(moves, relations)
 

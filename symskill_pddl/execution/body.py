@@ -13,6 +13,7 @@ from time import perf_counter
 import numpy as np
 
 from symskill_pddl.abstraction import Debounced, abstract
+from symskill_pddl.errors import InputError
 from symskill_pddl.execution.config import MotionConfig
 from symskill_pddl.execution.recovery import backed_off, near, servo, way_back
 from symskill_pddl.execution.runner import Fingers
@@ -79,7 +80,7 @@ class Body:
     def step(self, command: Command) -> None:
         """One control period: act, look, abstract. `ms` holds how long the parts took."""
         begin = perf_counter()
-        scene = self._world.step(command)
+        scene = same_objects(self._world.step(command), self.scene)
         seen = perf_counter()
         self.scene = self._turned(self._steady(scene))
         self._sense = self._sense.update(self._read(self.scene, self._sense.state))
@@ -114,12 +115,13 @@ class Body:
         return frozenset(a for a in state if self._objects.issuperset(a.args))
 
     def resting(self) -> frozenset[str]:
-        """The objects that have not moved (5 mm, 2 degrees) in the last quarter of a second."""
+        """The objects in sight that have not moved (5 mm, 2 degrees) in the last quarter of a second."""
         then, now = self._recent[0], self.scene
         still = (np.linalg.norm(now.T_world_objects.p - then.T_world_objects.p, axis=-1) < 0.005) & (
             rotation_distance(now.T_world_objects, then.T_world_objects) < 0.035
         )
-        return frozenset(name for name, rests in zip(now.objects, still, strict=True) if rests and name in self._objects)
+        watched = self._objects - now.unseen
+        return frozenset(name for name, rests in zip(now.objects, still, strict=True) if rests and name in watched)
 
     def velocities(self) -> Array:
         """Linear velocities (n, 3) [m/s] of the scene's objects, in world axes, over the last quarter of a second; 0 at rest."""
@@ -180,6 +182,24 @@ class Body:
         """Back along the path one came, at most to its entry `since`; whether all of it was reached."""
         # every way point is a few centimetres off; one that is blocked ends the attempt
         return all(self.go(T, 2.0) for T in way_back(self.path[since:], length_m))
+
+
+def same_objects(scene: Scene, before: Scene) -> Scene:
+    """The scene, if it speaks of the objects of the one before.
+
+    Raises
+    ------
+    InputError
+        If an object has vanished, has come, or has another place in the order.
+    """
+    if scene.objects != before.objects or list(scene.objects) != list(before.objects):
+        lost, new = before.objects.keys() - scene.objects.keys(), scene.objects.keys() - before.objects.keys()
+        what = f"'{min(lost)}' has vanished" if lost else f"'{min(new)}' has come" if new else "types or order have changed"
+        raise InputError(
+            f"the world's scene at {scene.time:g} s: {what}; a world shows the same objects all the time, "
+            "and says in `unseen` which of them are out of sight"
+        )
+    return scene
 
 
 def _with(scene: Scene, name: str, T_world_object: Pose) -> Scene:

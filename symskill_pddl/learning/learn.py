@@ -166,7 +166,14 @@ def _natural(name: str) -> tuple[str, int]:
 
 def _digest(demo: Demo) -> str:
     sha = hashlib.sha256()
-    for array in (demo.times, demo.T_world_ee.vector(), demo.aperture, demo.gripper_closed, demo.T_world_objects.vector()):
+    for array in (
+        demo.times,
+        demo.T_world_ee.vector(),
+        demo.aperture,
+        demo.gripper_closed,
+        demo.T_world_objects.vector(),
+        demo.seen,
+    ):
         sha.update(np.ascontiguousarray(array).tobytes())
     return sha.hexdigest()
 

@@ -69,7 +69,14 @@ def gripper_rule(demos: Sequence[Demo]) -> GripperRule:
 def truth_of(demo: Demo, classifiers: Sequence[Classifier], gripper: GripperRule) -> Truth:
     """The truth (n,) of every atom that ever holds in a demonstration."""
     return abstract_recording(
-        demo.objects, demo.T_world_ee, demo.aperture, demo.gripper_closed, demo.T_world_objects, classifiers, gripper=gripper
+        demo.objects,
+        demo.T_world_ee,
+        demo.aperture,
+        demo.gripper_closed,
+        demo.T_world_objects,
+        classifiers,
+        gripper=gripper,
+        seen=demo.seen,
     )
 
 

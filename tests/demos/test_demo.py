@@ -1,3 +1,4 @@
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -104,14 +105,56 @@ class TestFromScenes:
         with pytest.raises(InputError, match="at least 2 scenes, got 1"):
             Demo.from_scenes([a_scene(0.0)], name="demo_0", task="Move")
 
-    def test_objects_have_to_stay_the_same(self) -> None:
-        with pytest.raises(InputError, match="scene 1 has the objects cup, scene 0 has box"):
-            Demo.from_scenes([a_scene(0.0), a_scene(0.1, name="cup")], name="demo_0", task="Move")
+    def test_objects_may_come_and_go(self) -> None:
+        demo = Demo.from_scenes([a_scene(0.0), a_scene(0.1, name="cup"), a_scene(0.2)], name="demo_0", task="Move")
+        assert demo.objects == {"box": "cube", "cup": "cube"}
+        np.testing.assert_array_equal(demo.seen, [[True, False], [False, True], [True, False]])
+        np.testing.assert_allclose(demo.pose("box").p[:, 1], [0.0, 0.0, 0.2])
+        np.testing.assert_allclose(demo.pose("cup").p[:, 1], 0.1)
+        assert demo.scene(1).unseen == {"box"}
+
+    def test_an_object_that_is_out_of_sight_all_the_time_is_left_out(self) -> None:
+        scenes = [dataclasses.replace(a_scene(t), unseen=frozenset({"box"})) for t in (0.0, 0.1)]
+        assert Demo.from_scenes(scenes, name="demo_0", task="Move").objects == {}
+
+    def test_a_type_stays(self) -> None:
+        with pytest.raises(InputError, match="'box' is of type 'cup' in scene 1, of type 'cube' before"):
+            Demo.from_scenes([a_scene(0.0), a_scene(0.1, type_="cup")], name="demo_0", task="Move")
 
 
-def a_scene(time: float, name: str = "box") -> Scene:
+class TestSeen:
+    def test_everything_is_seen_unless_told(self, demo) -> None:
+        assert demo().seen.shape == (5, 2)
+        assert demo().seen.all()
+        assert demo().sees("gripper").all()
+
+    def test_an_unseen_pose_is_the_last_one_and_before_the_first_sight_the_first(self, demo) -> None:
+        seen = np.array([[0, 1], [1, 1], [0, 0], [1, 1], [0, 1]], bool)
+        d = demo(seen=seen)
+        T = demo().T_world_objects
+        np.testing.assert_array_equal(d.pose("cheese").p, T.p[[1, 1, 1, 3, 3], 0])
+        np.testing.assert_array_equal(d.pose("counter").q, T.q[[0, 1, 1, 3, 4], 1])
+        np.testing.assert_array_equal(d.sees("cheese"), seen[:, 0])
+        assert d.scene(2).unseen == {"cheese", "counter"}
+        assert d.scene(3).unseen == frozenset()
+
+    def test_holding_again_changes_nothing(self, demo) -> None:
+        d = demo(seen=np.array([[0, 1], [1, 1], [0, 0], [1, 1], [0, 1]], bool))
+        again = dataclasses.replace(d)
+        np.testing.assert_array_equal(again.T_world_objects.vector(), d.T_world_objects.vector())
+
+    def test_refused(self, demo) -> None:
+        with pytest.raises(InputError, match="'counter' is never seen"):
+            demo(seen=np.tile([True, False], (5, 1)))
+        with pytest.raises(InputError, match=r"seen has to be boolean \(5, 2\), got bool \(5,\)"):
+            demo(seen=np.ones(5, bool))
+        with pytest.raises(InputError, match="seen has to be boolean"):
+            demo(seen=np.ones((5, 2)))
+
+
+def a_scene(time: float, name: str = "box", type_: str = "cube") -> Scene:
     hand, thing = Pose.from_rotvec([time, 0, 0], [0, time, 0]), Pose.from_rotvec([0, time, 0], [0, 0, time])
-    return Scene(time, hand, 0.08 - time / 10, time > 0, {name: "cube"}, Pose.stack([thing]))
+    return Scene(time, hand, 0.08 - time / 10, time > 0, {name: type_}, Pose.stack([thing]))
 
 
 def test_a_type_of_two_sizes_names_its_files(demo):

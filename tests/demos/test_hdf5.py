@@ -44,6 +44,36 @@ def test_round_trip_is_exact(tmp_path, demo):
     np.testing.assert_array_equal(loaded.T_world_objects.vector(), original.T_world_objects.vector())
 
 
+def test_missing_poses_are_nan_in_the_file(tmp_path, demo):
+    seen = np.array([[0, 1], [1, 1], [0, 0], [1, 1], [0, 1]], bool)
+    original = demo(seen=seen)
+    save_demos(tmp_path / "a.hdf5", [original])
+    with h5py.File(tmp_path / "a.hdf5") as file:
+        np.testing.assert_array_equal(np.isnan(file["data/demo_0/objects/cheese"][:, 0]), ~seen[:, 0])
+    (loaded,) = load_demos(tmp_path / "a.hdf5")
+    np.testing.assert_array_equal(loaded.seen, seen)
+    np.testing.assert_array_equal(loaded.T_world_objects.vector(), original.T_world_objects.vector())
+    assert encode_demos([loaded], "a") == encode_demos([original], "a")
+
+
+def test_gaps_of_a_recording_by_others(saved):
+    with without_checksum(saved) as file:
+        group = file["data/demo_2"]
+        group["objects/cheese"][2, 5] = np.nan  # part of a pose is no pose
+        group["objects/counter"][:] = np.nan
+        group["aperture"][1] = np.nan
+    demo = load_demos(saved)[0]
+    assert demo.objects == {"cheese": "food"}
+    np.testing.assert_array_equal(demo.sees("cheese"), [True, False, True, True])
+    np.testing.assert_allclose(demo.times, [0.0, 0.1, 0.15, 0.2])
+
+
+def test_files_of_version_1_are_read(saved):
+    with h5py.File(saved, "r+") as file:
+        file["data"].attrs["schema_version"] = 1
+    assert len(load_demos(saved)) == 2
+
+
 def test_object_order_is_kept_and_not_the_alphabet(tmp_path, demo):
     save_demos(tmp_path / "a.hdf5", [demo(objects={"z": "food", "a": "counter"})])
     (loaded,) = load_demos(tmp_path / "a.hdf5")
@@ -185,7 +215,7 @@ def test_a_robosuite_recording_is_sent_to_the_importer(tmp_path):
     ("key", "value", "message"),
     [
         ("format", "other", "'format' has to be 'symskill-demos', found 'other'"),
-        ("schema_version", 2, "schema_version 2 cannot be read, this release reads version 1"),
+        ("schema_version", 3, "schema_version 3 cannot be read, this release reads versions 1 to 2"),
         ("quaternion_order", "xyzw", "'quaternion_order' has to be 'wxyz', found 'xyzw'"),
         ("units", "mm", "'units' has to be"),
     ],
@@ -226,7 +256,9 @@ def test_missing_parts(saved, name):
         ("ee_pose", np.zeros((5, 6)), r"data/demo_2/ee_pose: has shape \(5, 6\), expected \(5, 7\)"),
         ("ee_pose", np.zeros((5, 7)), r"data/demo_2/ee_pose: row 0: columns 3 to 6 have to be a unit quaternion"),
         ("aperture", np.zeros(4), r"data/demo_2/aperture: has shape \(4,\), expected \(5,\)"),
-        ("aperture", np.full(5, np.nan), "data/demo_2/aperture: holds a number that is not finite, at index 0"),
+        ("aperture", np.full(5, np.nan), r"data/demo_2: the hand's pose or its aperture is missing \(NaN\) in 5 of 5 samples"),
+        ("aperture", np.full(5, np.inf), "data/demo_2/aperture: holds a number that is not finite, at index 0"),
+        ("times", np.full(5, np.nan), "data/demo_2/times: holds a number that is not finite, at index 0"),
         ("aperture", np.full(5, -1.0), "data/demo_2: an aperture is negative"),
         ("aperture", np.array([b"a"] * 5), "data/demo_2/aperture: has to hold numbers"),
         ("gripper_closed", np.array([0, 1, 2, 0, 0]), "data/demo_2/gripper_closed: has to hold 0"),
