@@ -124,6 +124,7 @@ def _learn_demos(files: list[Path], target: Path, *, into: bool, selector: Visio
             remark(note)
     for note in report.notes:
         remark(note)
+    remark(report.summary)
     spent = sum(seconds for _, seconds in report.seconds)
     counts = f"{len(library.classifiers)} predicates, {len(library.operators)} operators, {len(library.skills)} skills"
     remark(f"{target}: {counts}, {spent:.1f} s")

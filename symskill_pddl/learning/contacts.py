@@ -10,6 +10,7 @@ import numpy as np
 
 from symskill_pddl.geometry import Array, Pose, karcher_mean, rotation_distance
 from symskill_pddl.learning.relations import Contact, Label, PredicateConfig
+from symskill_pddl.learning.report import SHOW_AGAIN, LeftOut
 from symskill_pddl.learning.segments import Episode, Rest, RestKey
 from symskill_pddl.learning.shapes import clusters, fit_shape, narrowed
 
@@ -19,7 +20,7 @@ def labelled(
     of_rest: Mapping[RestKey, tuple[int | None, str]],
     jointed: Mapping[str, bool],
     odd: Mapping[str, bool],
-    notes: list[str],
+    left_out: list[LeftOut],
     config: PredicateConfig,
 ) -> tuple[tuple[Label, ...], tuple[Contact, ...]]:
     """Episodes that lead somewhere, with their contacts clustered per type (for joints: per start, end and finger command)."""
@@ -37,10 +38,10 @@ def labelled(
         undone = None
         (start, start_ref), (end, end_ref) = at(e.before), at(e.after)
         if end is None and end_ref is not None:
-            notes.append(f"{e}: ends where nothing else rests; left out")
+            left_out.append(LeftOut.of(e, "it ends where no other demonstration leaves one", SHOW_AGAIN))
         elif start is not None and (start, start_ref) == (end, end_ref):
             undone = e
-            notes.append(f"{e}: leads back to where it began (a retry or a nudge); left out")
+            left_out.append(LeftOut.of(e, "it leads back to where it began (a retry or a nudge)"))
         else:
             way = (start if start is not None else -1, end if end is not None else -1) if jointed[e.type] else ()
             groups[(e.type, _closed(e), *way)].append((e, start, start_ref, end, end_ref))
@@ -52,7 +53,7 @@ def labelled(
         for k in range(labels.max() + 1):
             own = [m for m, label in zip(members, labels, strict=True) if label == k]
             if len(own) == 1 and odd[own[0][0].demo.where] and len(members) > 1:
-                notes.append(f"{own[0][0]}: the gripper acts on it as in no other demonstration; left out")
+                left_out.append(LeftOut.of(own[0][0], "the gripper acts on it as in no other demonstration", SHOW_AGAIN))
                 continue
             kept += [Label(e, len(contacts), start, start_ref, end, end_ref) for e, start, start_ref, end, end_ref in own]
             contacts.append(_contact_of([m[0] for m in own], jointed, config))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -16,12 +16,16 @@ from symskill_pddl import workers
 from symskill_pddl.demos import Demo, decode_demos, encode_demos
 from symskill_pddl.errors import LearningError
 from symskill_pddl.learning.operators import OperatorGroup
+from symskill_pddl.learning.report import LeftOut, summary
 from symskill_pddl.learning.segments import Episode
 from symskill_pddl.learning.skills import SkillConfig, learn_skill
 from symskill_pddl.learning.symbolic import Selector, SymbolConfig, Symbolic, learn_symbols
 from symskill_pddl.library import LearnedOperator, Library
 from symskill_pddl.skills import Skill
 from symskill_pddl.symbols import Type
+
+Fit = tuple[Skill, tuple[str, ...]]
+"""A skill, and notes on demonstrations that were left out of it."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,12 @@ class LearnReport:
 
     symbols: Symbolic
     seconds: tuple[tuple[str, float], ...]
+    groups: tuple[OperatorGroup, ...]
+    """Those of `symbols` that have a skill."""
+    margins: Mapping[str, float]
+    """By predicate, the lead of its reference over the next candidate."""
+    remarks: tuple[str, ...]
+    left_out: tuple[LeftOut, ...]
 
     @property
     def episodes(self) -> tuple[Episode, ...]:
@@ -44,8 +54,14 @@ class LearnReport:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was left out, and why."""
-        return self.symbols.notes
+        """A line for everything that is suspicious, and for everything that was left out, with its reason."""
+        return (*self.remarks, *map(str, self.left_out))
+
+    @property
+    def summary(self) -> str:
+        """What was used, what was left out, and what is doubtful, in one line."""
+        used = [t.label.episode for g in self.groups for t in g.transitions]
+        return summary(self.episodes, used, self.left_out, len(self.groups), self.margins)
 
 
 def learn(
@@ -66,7 +82,7 @@ def learn(
     Raises
     ------
     LearningError
-        If there are no demonstrations, nothing moves, no operator comes out, or a skill cannot be fitted.
+        If there are no demonstrations, nothing moves, demonstrations of a task contradict each other, or no operator comes out.
     """
     return learn_reported(demos, config, jobs=jobs, progress=progress)[0]
 
@@ -106,46 +122,61 @@ def learn_reported(
     """`learn`, with the report of what was left out; `selector` chooses references in place of the default."""
     config = config or LearnConfig()
     clock = _Clock(progress)
-    demos = _sorted(demos)
+    demos, same = _distinct(_sorted(demos))
     found = learn_symbols(demos, config, selector=selector, progress=clock.stage)
     clock.stage("skills")
-    learned, skills = _skills(found.groups, config.skills, jobs)
+    groups, learned, skills, failed = _skills(found.groups, config.skills, jobs)
     clock.stage("")
     types = tuple(Type(name) for name in sorted({t for demo in demos for t in demo.objects.values()}))
     margins = {name: p.margin for name, p in zip(found.places, found.relations.places, strict=True) if np.isfinite(p.margin)}
     sources = sorted({demo.source for demo in demos})
     recordings = {source: encode_demos([d for d in demos if d.source == source], source) for source in sources}
     library = Library(types, found.classifiers, learned, skills, found.goals, found.gripper, found.extents, margins, recordings)
-    return library, LearnReport(found, tuple(clock.spent))
+    remarks = (*same, *found.remarks)
+    return library, LearnReport(found, tuple(clock.spent), groups, margins, remarks, (*found.left_out, *failed))
 
 
 def _skills(
     groups: Sequence[OperatorGroup], config: SkillConfig, jobs: int
-) -> tuple[tuple[LearnedOperator, ...], dict[str, Skill]]:
-    learned, skills = [], {}
-    for group, (skill, notes) in zip(groups, _fitted(groups, config, jobs), strict=True):
+) -> tuple[tuple[OperatorGroup, ...], tuple[LearnedOperator, ...], dict[str, Skill], tuple[LeftOut, ...]]:
+    """The operators whose skill can be fitted, as groups and as learned, their skills, and what the others were seen in."""
+    kept, learned, skills = [], [], {}
+    failed: list[LeftOut] = []
+    for group, fit in zip(groups, _fitted(groups, config, jobs), strict=True):
         old = group.learned
-        skills[old.skill] = skill
-        learned.append(
-            LearnedOperator(old.operator, old.strict_pre, old.skill, old.kind, old.evidence, old.duration_s, (*old.notes, *notes))
-        )
-    return tuple(learned), skills
+        if isinstance(fit, LearningError):
+            remedy = "show it with a longer or clearer motion of the hand"
+            failed += [LeftOut(e.demo, e.start_s, e.stop_s, old.operator.name, str(fit), remedy) for e in old.evidence]
+            continue
+        skills[old.skill], notes = fit
+        kept.append(group)
+        learned.append(replace(old, notes=(*old.notes, *notes)))
+    if not learned:
+        raise LearningError(f"no skill can be learned; first reason: {failed[0].reason}")
+    return tuple(kept), tuple(learned), skills, tuple(failed)
 
 
-def _fitted(groups: Sequence[OperatorGroup], config: SkillConfig, jobs: int) -> Iterator[tuple[Skill, tuple[str, ...]]]:
+def _fitted(groups: Sequence[OperatorGroup], config: SkillConfig, jobs: int) -> Iterator[Fit | LearningError]:
     if jobs <= 1 or len(groups) == 1 or not workers.can_fork():
         for group in groups:
-            yield learn_skill(group, config)
+            yield _fit(group, config)
         return
     with workers.pool(min(jobs, len(groups)), "fork") as pool:
-        for arrays, notes in pool.map(partial(_fit_arrays, config=config), groups):
-            yield Skill.from_arrays(arrays), notes
+        for fit in pool.map(partial(_fit_arrays, config=config), groups):
+            yield fit if isinstance(fit, LearningError) else (Skill.from_arrays(fit[0]), fit[1])
 
 
-def _fit_arrays(group: OperatorGroup, config: SkillConfig) -> tuple[dict[str, NDArray[Any]], tuple[str, ...]]:
+def _fit(group: OperatorGroup, config: SkillConfig) -> Fit | LearningError:
+    try:
+        return learn_skill(group, config)
+    except LearningError as error:
+        return error
+
+
+def _fit_arrays(group: OperatorGroup, config: SkillConfig) -> tuple[dict[str, NDArray[Any]], tuple[str, ...]] | LearningError:
     """As plain arrays, from which the parent makes read-only ones again."""
-    skill, notes = learn_skill(group, config)
-    return skill.arrays(), notes
+    fit = _fit(group, config)
+    return fit if isinstance(fit, LearningError) else (fit[0].arrays(), fit[1])
 
 
 def _sorted(demos: Sequence[Demo]) -> tuple[Demo, ...]:
@@ -157,6 +188,17 @@ def _sorted(demos: Sequence[Demo]) -> tuple[Demo, ...]:
         if sum(d.where == where for d in ordered) > 1:
             raise LearningError(f"two demonstrations are called '{where}': give their files different names")
     return ordered
+
+
+def _distinct(demos: Sequence[Demo]) -> tuple[tuple[Demo, ...], tuple[str, ...]]:
+    """The demonstrations without copies of earlier ones, and a line for each copy."""
+    first: dict[str, Demo] = {}
+    told = []
+    for demo in demos:
+        known = first.setdefault(_digest(demo), demo)
+        if known is not demo:
+            told.append(f"{demo.where} is the same recording as {known.where}: counted once")
+    return tuple(first.values()), tuple(told)
 
 
 def _natural(name: str) -> tuple[str, int]:

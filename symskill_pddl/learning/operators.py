@@ -14,6 +14,7 @@ from symskill_pddl.learning.lifting import Lifted, lift
 from symskill_pddl.learning.naming import operator_name, operator_names, slug
 from symskill_pddl.learning.references import Extents
 from symskill_pddl.learning.relations import Relations
+from symskill_pddl.learning.report import SHOW_AGAIN, LeftOut
 from symskill_pddl.learning.transitions import Transition
 from symskill_pddl.library import Evidence, LearnedOperator
 from symskill_pddl.scene import GRIPPER
@@ -52,8 +53,8 @@ def learn_operators(
     config: OperatorConfig | None = None,
     *,
     single: frozenset[str] = frozenset(),
-) -> tuple[tuple[OperatorGroup, ...], tuple[str, ...]]:
-    """One operator per group of transitions with the same lifted effects, and notes on what was left out.
+) -> tuple[tuple[OperatorGroup, ...], tuple[LeftOut, ...]]:
+    """One operator per group of transitions with the same lifted effects, and what was left out.
 
     `single` are the predicates of which a reference never has more than one object (`transitions.never_shared`).
     """
@@ -72,18 +73,16 @@ def learn_operators(
             t.demo.objects[ref] if ref is not None else "",
         )
         groups[key].append(t)
-    notes, kept = [], []
+    left_out, kept = [], []
     for _, group in sorted(groups.items(), key=lambda item: item[0]):
-        seen_in = {t.demo.where for t in group}
-        if len(seen_in) == 1 and shown[group[0].demo.task] >= config.odd_of:
+        if len({t.demo.where for t in group}) == 1 and shown[group[0].demo.task] >= config.odd_of:
             name = operator_name(group[0].label, group[0].moves, relations, places)[0]
-            notes.append(
-                f"{name}: only {seen_in.pop()} of {shown[group[0].demo.task]} demonstrations of its task shows it; left out"
-            )
+            reason = f"only one of {shown[group[0].demo.task]} demonstrations of its task shows it"
+            left_out += [LeftOut.of(t.label.episode, f"{name}: {reason}", SHOW_AGAIN) for t in group]
         else:
             left = [t for t in group if t.left]
-            notes += [
-                f"{t.label.episode}: the recording ends before the hand has left, others show it; left out"
+            left_out += [
+                LeftOut.of(t.label.episode, "its end: the recording ends before the hand has left, others show it")
                 for t in group
                 if left and not t.left
             ]
@@ -94,7 +93,7 @@ def learn_operators(
         _operator(name, g, states, relations, classifiers, places, contacts, extents, config, single)
         for name, g in zip(names, kept, strict=True)
     ]
-    return tuple(_mutex(learned, relations, places)), tuple(notes)
+    return tuple(_mutex(learned, relations, places)), tuple(left_out)
 
 
 def _operator(

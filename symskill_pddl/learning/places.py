@@ -12,6 +12,7 @@ from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.learning.articulation import UP, Joint
 from symskill_pddl.learning.references import Placement
 from symskill_pddl.learning.relations import Place, PredicateConfig
+from symskill_pddl.learning.report import SHOW_AGAIN, LeftOut
 from symskill_pddl.learning.segments import RestKey
 from symskill_pddl.learning.shapes import clusters, fit_shape, free_yaw
 
@@ -54,10 +55,10 @@ def cluster_pair(
     odd: Mapping[str, bool],
     places: list[Place],
     of_rest: dict[RestKey, tuple[int | None, str]],
-    notes: list[str],
+    left_out: list[LeftOut],
     config: PredicateConfig,
 ) -> None:
-    """Clusters of one (object type, reference type); appends to `places`, `of_rest` and `notes`."""
+    """Clusters of one (object type, reference type); appends to `places`, `of_rest` and `left_out`."""
     # static ones behind those that a motion began or ended with
     ordered = sorted(found, key=lambda p: p.rest.static)
     n = sum(not p.rest.static for p in found)
@@ -71,10 +72,9 @@ def cluster_pair(
     for members in core:
         only = ordered[members[0]]
         if len(members) == 1 and odd[only.demo.where] and len(core) > 1:
-            notes.append(
-                f"{only.demo.where}: {only.rest.obj} rests at {only.ref} at {only.demo.times[only.rest.start]:.1f} s "
-                "where no other demonstration leaves one; left out"
-            )
+            start_s, stop_s = only.demo.times[[only.rest.start, only.rest.stop - 1]].tolist()
+            reason = f"it rests at {only.ref} where no other demonstration leaves one"
+            left_out.append(LeftOut(only.demo.where, start_s, stop_s, only.rest.obj, reason, SHOW_AGAIN))
             of_rest[only.rest.key] = (None, only.ref)
         else:
             groups.append(members)

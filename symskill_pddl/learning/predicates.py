@@ -1,7 +1,7 @@
 """Rest poses and contacts into predicates without names, and every episode labelled with them.
 
 Each label of an episode - where the object rested, how the gripper acted on it, where it came to rest - is a cluster by
-construction, so operators can be grouped without a look at thresholds. What is odd is named in `Relations.notes` and left out.
+construction, so operators can be grouped without a look at thresholds. What is left out is named in `Relations.left_out`.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from symskill_pddl.learning.contacts import labelled
 from symskill_pddl.learning.places import cluster_pair
 from symskill_pddl.learning.references import Extents, Placement, place
 from symskill_pddl.learning.relations import Place, PredicateConfig, Relations
+from symskill_pddl.learning.report import LeftOut
 from symskill_pddl.learning.segments import Episode, RestKey, rest
 
 
@@ -36,7 +37,7 @@ def learn_relations(
     shown = Counter(demo.task for demo in demos)
     odd = {demo.where: shown[demo.task] >= config.odd_of for demo in demos}
     places: list[Place] = []
-    notes: list[str] = []
+    left_out: list[LeftOut] = []
     of_rest: dict[RestKey, tuple[int | None, str]] = {}  # id of a Rest -> (place or None when odd, reference object)
     jointed: dict[str, bool] = {}
     for type_ in sorted({t for e in episodes for t in (e.type, e.moved_type)}):
@@ -46,9 +47,9 @@ def learn_relations(
         for pair in sorted({p.types for p in found}):
             rests = [p for p in found if p.types == pair]
             apart = _ends(rests, own, type_) if pair in joints else []
-            cluster_pair(rests, joints.get(pair), apart, odd, places, of_rest, notes, config)
-    kept, contacts = labelled(episodes, of_rest, jointed, odd, notes, config)
-    return Relations(tuple(places), contacts, kept, tuple(notes), {rest: ref for rest, (_, ref) in of_rest.items()})
+            cluster_pair(rests, joints.get(pair), apart, odd, places, of_rest, left_out, config)
+    kept, contacts = labelled(episodes, of_rest, jointed, odd, left_out, config)
+    return Relations(tuple(places), contacts, kept, tuple(left_out), {rest: ref for rest, (_, ref) in of_rest.items()})
 
 
 def _placements(

@@ -9,6 +9,7 @@ import numpy as np
 
 from symskill_pddl.learning.articulation import ArticulationConfig, Joint
 from symskill_pddl.learning.references import ReferenceConfig
+from symskill_pddl.learning.report import LeftOut
 from symskill_pddl.learning.segments import Episode, RestKey
 from symskill_pddl.learning.shapes import Shape, ShapeConfig
 
@@ -116,6 +117,6 @@ class Relations:
     places: tuple[Place, ...]
     contacts: tuple[Contact, ...]
     labels: tuple[Label, ...]
-    notes: tuple[str, ...]
+    left_out: tuple[LeftOut, ...]
     references: Mapping[RestKey, str] = field(default_factory=dict)
     """By `Rest.key`, the object that it is at."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from symskill_pddl.abstraction import Classifier, GripperRule
 from symskill_pddl.demos import Demo, extent_conflicts, merged_extents
@@ -15,11 +17,15 @@ from symskill_pddl.learning.naming import contact_names, place_names
 from symskill_pddl.learning.operators import OperatorConfig, OperatorGroup, learn_operators
 from symskill_pddl.learning.predicates import learn_relations
 from symskill_pddl.learning.relations import PredicateConfig, Relations
+from symskill_pddl.learning.report import LeftOut
 from symskill_pddl.learning.segments import Episode, RestKey, segment_all
 from symskill_pddl.learning.transitions import Truth, exclusive, gripper_rule, never_shared, transitions, truth_of
 from symskill_pddl.library import Goal
 from symskill_pddl.scene import GRIPPER
 from symskill_pddl.symbols import Predicate
+
+FINGERS_STILL_M = 0.001
+"""An aperture that changes by less than this all through a recording was not moved: encoders are finer."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +48,9 @@ class Symbolic:
         Names of `relations.places` and `relations.contacts`.
     truths : dict of str to Truth
         By demonstration, the truth of every atom that ever holds, as the learned predicates see it; every object at one place.
-    notes : tuple of str
-        What was left out, and why.
+    remarks : tuple of str
+        What is suspicious about the demonstrations as a whole.
+    left_out : tuple of LeftOut
     """
 
     demos: tuple[Demo, ...]
@@ -57,7 +64,8 @@ class Symbolic:
     truths: Mapping[str, Truth]
     groups: tuple[OperatorGroup, ...]
     goals: tuple[Goal, ...]
-    notes: tuple[str, ...]
+    remarks: tuple[str, ...]
+    left_out: tuple[LeftOut, ...]
 
 
 Selector = Callable[[Sequence[Episode], Mapping[RestKey, str]], Mapping[RestKey, str]]
@@ -97,19 +105,45 @@ def learn_symbols(
     gripper = gripper_rule(demos)
     perceived = {demo.where: truth_of(demo, classifiers, gripper) for demo in demos}
     truths = {where: exclusive(truth, classifiers) for where, truth in perceived.items()}
-    found, odd_transitions = transitions(relations, truths, places, contacts)
+    found, unclear = transitions(relations, truths, places, contacts)
     single = never_shared(perceived.values())
-    groups, odd_operators = learn_operators(
+    groups, rare = learn_operators(
         found, demos, relations, classifiers, places, contacts, extents, config.operators, single=single
     )
-    notes = (*relations.notes, *odd_transitions, *odd_operators)
+    left_out = (*relations.left_out, *unclear, *rare)
     if not groups:
         raise LearningError(
-            f"no operator comes out of {len(demos)} demonstrations with {len(episodes)} motions; first reason: {notes[0]}"
+            f"no operator comes out of {len(demos)} demonstrations with {len(episodes)} motions; first reason: {left_out[0]}"
         )
-    goals = learn_goals(demos, episodes, truths, places)
-    notes = (*extent_conflicts(demos), *notes)
-    return Symbolic(demos, extents, episodes, relations, places, contacts, classifiers, gripper, truths, groups, goals, notes)
+    goals, goalless = learn_goals(demos, episodes, truths, places)
+    remarks = (*extent_conflicts(demos), *_unclosed(relations), *goalless)
+    return Symbolic(
+        demos,
+        extents,
+        episodes,
+        relations,
+        places,
+        contacts,
+        classifiers,
+        gripper,
+        truths,
+        groups,
+        goals,
+        remarks,
+        left_out,
+    )
+
+
+def _unclosed(relations: Relations) -> Iterator[str]:
+    """A line if objects go with the hand in recordings in which the fingers never do anything."""
+    loose = [x.episode for x in relations.labels if not relations.contacts[x.contact].articulated]
+    shown = [e for e in loose if not e.demo.gripper_closed.any() and np.ptp(e.demo.aperture) < FINGERS_STILL_M]
+    if shown:
+        objects = ", ".join(sorted({e.obj for e in shown}))
+        yield (
+            f"{shown[0].demo.where}: the fingers never close though {objects} goes with the hand "
+            f"({len(shown)} times in all): is the gripper missing in the recording?"
+        )
 
 
 def named(relations: Relations, places: Sequence[str], contacts: Sequence[str]) -> tuple[Classifier, ...]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from symskill_pddl.abstraction import Classifier, GripperRule, abstract_recording
 from symskill_pddl.demos import Demo
 from symskill_pddl.learning.relations import Label, Relations
+from symskill_pddl.learning.report import LeftOut
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, State
 
 FINGERS_LATE_S = 2.0
@@ -122,10 +123,10 @@ def state_at(truth: Truth, i: int) -> State:
 
 def transitions(
     relations: Relations, truths: Mapping[str, Truth], places: Sequence[str], contacts: Sequence[str]
-) -> tuple[tuple[Transition, ...], tuple[str, ...]]:
+) -> tuple[tuple[Transition, ...], tuple[LeftOut, ...]]:
     """Every transition that shows what its labels say, and a note on each that does not."""
     found: list[Transition] = []
-    notes: list[str] = []
+    left_out: list[LeftOut] = []
     free_since: dict[str, int] = {}
     for label in relations.labels:
         e = label.episode
@@ -144,16 +145,17 @@ def transitions(
         )
         begin = max(e.begin, free_since.get(e.demo.where, 0))
         if lift is None:
-            notes.append(f"{e}: {holds} without {start or 'its start'} never shows during the motion; left out")
+            left_out.append(LeftOut.of(e, f"{holds} without {start or 'its start'} never shows during the motion"))
             continue
         pick = _transition(truth, False, label, begin, lift, tuple(filter(None, (e.obj, label.start_ref))))
         if start is None or start in pick.before:
             found.append(pick)
         else:
-            notes.append(f"{e}: {start} does not hold when the hand sets out; its approach is left out")
+            left_out.append(LeftOut.of(e, f"its approach: {start} does not hold when the hand sets out"))
         if end is None:
             if e.after is None:
-                notes.append(f"{e}: the recording ends with it in the hand, so nothing shows where it is put; a pick only")
+                reason = "its end: the recording ends with it in the hand, a pick only"
+                left_out.append(LeftOut.of(e, reason, "record on until it is put down"))
             continue
         leaves = ~truth[holds]
         opens = truth.get(Atom(GRIPPER_OPEN), never)
@@ -171,8 +173,8 @@ def transitions(
         if end in place.after:
             found.append(place)
         else:
-            notes.append(f"{e}: {end} does not hold when the gripper has left; the motion is left out")
-    return tuple(found), tuple(notes)
+            left_out.append(LeftOut.of(e, f"its end: {end} does not hold when the gripper has left"))
+    return tuple(found), tuple(left_out)
 
 
 def _fingers_until(label: Label, labels: Sequence[Label]) -> int:

@@ -93,7 +93,7 @@ def test_what_leads_back_to_its_place_is_left_out_and_said():
     relations = learn_relations([demo], episodes, EXTENTS)
     assert len(episodes) == 2
     assert len(relations.labels) == 1
-    assert any("leads back to where it began" in note for note in relations.notes)
+    assert any("leads back to where it began" in note for note in map(str, relations.left_out))
 
 
 def test_grasps_at_different_pitches_are_different_contacts():
@@ -123,7 +123,7 @@ def test_one_odd_demonstration_changes_nothing():
     odd = r.demo("demo_9", "odd", "PnPCabToCounter")
     symbols, plain = Symbols.of((*usual, odd)), Symbols.of(usual)
     assert set(symbols.groups) == set(plain.groups)
-    assert any("odd:demo_9" in note for note in symbols.notes)
+    assert any("odd:demo_9" in note for note in map(str, symbols.left_out))
 
 
 def test_one_opening_and_one_closing_show_three_places_of_the_door():
