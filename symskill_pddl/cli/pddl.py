@@ -99,7 +99,7 @@ def plan(
     engine = get(planner or "auto")
     with progress(f"planning with {engine.name}"):
         result = engine.solve(read, posed, Limits(time_s=timeout))
-    why = () if result.plan is not None else why_not(read, posed, get("auto"))
+    why = () if result.plan is not None else why_not(read, posed)
     if json:
         emit_json(
             {

@@ -32,7 +32,7 @@ from symskill_pddl.execution.ordering import one_by_one
 from symskill_pddl.execution.recovery import StepKey, nearest_symbols, other_face
 from symskill_pddl.geometry import Pose
 from symskill_pddl.library import Library
-from symskill_pddl.planning import Builtin, Limits, Planner, PlanResult, Session, Status, explain, nearest_goal, session
+from symskill_pddl.planning import Limits, Planner, PlanResult, Session, Status, explain, nearest_goal, session
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, Domain, GroundOperator, Problem, State
 
 _MOST_ASSUMPTIONS = 12
@@ -140,8 +140,7 @@ class Deliberation:
             return result.messages or (result.status.value,)
         lines = explain(self._domain, problem)
         if len(self._goal) > 1:
-            # not by the planner itself: there is nobody left to see that it comes back
-            part = nearest_goal(self._domain, problem, Builtin())
+            part = nearest_goal(self._domain, problem)
             lines += (f"a part that can be reached: {' '.join(map(str, sorted(part))) or 'none'}",)
         return lines or result.messages
 

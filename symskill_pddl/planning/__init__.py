@@ -9,7 +9,7 @@ from symskill_pddl.planning.auto import Auto
 from symskill_pddl.planning.command import Command
 from symskill_pddl.planning.downward import FastDownward
 from symskill_pddl.planning.engine import Engine
-from symskill_pddl.planning.explain import explain, nearest_goal, why_not
+from symskill_pddl.planning.explain import Effort, explain, nearest_goal, why_not
 from symskill_pddl.planning.kairos import Kairos
 from symskill_pddl.planning.lpg import LPG
 from symskill_pddl.planning.mimir import Mimir
@@ -25,6 +25,7 @@ __all__ = [
     "Auto",
     "Builtin",
     "Command",
+    "Effort",
     "Engine",
     "FastDownward",
     "Kairos",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 
 from symskill_pddl.symbols import Atom, GroundOperator, State
@@ -54,63 +54,90 @@ def forbidden(steps: Sequence[GroundOperator], init: State, goal: State) -> Iter
         yield from why(atom, "goal", "add it")
 
 
-def exclusions(steps: Sequence[GroundOperator], init: State, kept: State, left: State, deadline: float) -> Iterator[str]:
-    """For atoms of `left` an atom of `kept` that they cannot hold together with, and what steps that add one do to the other.
+class Pairs:
+    """Which two atoms may hold together.
 
     Pairs of atoms are followed through the steps (the heuristic h^2 of Haslum and Geffner, 2000): two atoms that no step brings
     about together, or one beside the other, never hold together. Three that exclude one another only together are not found.
 
     Parameters
     ----------
-    deadline : float
-        On `time.monotonic` [s]; nothing is said beyond it.
+    work : int
+        Steps, atoms and pairs that are looked at, at most; beyond that every pair is taken for possible.
     """
-    pairs = _pairs(steps, init, deadline)
-    if pairs is None:
-        return
-    for atom in sorted(left):
-        against = [other for other in sorted(kept) if _pair(atom, other) not in pairs]
-        if against:
-            yield f"{atom} and {against[0]} cannot hold together: {_spoils(steps, pairs, atom, against[0])}"
+
+    def __init__(self, steps: Sequence[GroundOperator], init: State, work: int) -> None:
+        self._steps = steps
+        self._numbers: dict[Atom, int] = {}
+        self._known = self._followed(init, work)
+
+    def exclude(self, one: Atom, two: Atom) -> bool:
+        """Whether two atoms, each of which can be reached, can never hold together."""
+        return self._known is not None and not self._known[self._number(one)] >> self._number(two) & 1
+
+    def _number(self, atom: Atom) -> int:
+        return self._numbers.setdefault(atom, len(self._numbers))
+
+    def _followed(self, init: State, work: int) -> dict[int, int] | None:
+        """For each atom a mask of those that it may hold together with, itself among them; None where that is more work."""
+        holding = self._mask(init)
+        known = defaultdict[int, int](int) | dict.fromkeys(_bits(holding), holding)
+        reached = holding
+        masks = [tuple(map(self._mask, (s.pre, s.add, s.delete | s.absent))) for s in self._steps]
+        changed = True
+        while changed:
+            changed = False
+            for pre, add, against in masks:
+                beside = reached & ~against
+                for atom in _bits(pre):
+                    beside &= known[atom]
+                    if pre & ~known[atom]:
+                        break
+                else:
+                    reached |= add
+                    for atom in _bits(add):
+                        new = (add | beside) & ~known[atom]
+                        work -= 1 + new.bit_count()
+                        for other in _bits(new):
+                            known[atom] |= 1 << other
+                            known[other] |= 1 << atom
+                        changed |= bool(new)
+                work -= 1 + pre.bit_count()
+                if work < 0:
+                    return None
+        return known
+
+    def _mask(self, atoms: Iterable[Atom]) -> int:
+        return sum(1 << self._number(atom) for atom in atoms)
+
+    def reasons(self, kept: State, left: State) -> Iterator[str]:
+        """For atoms of `left` an atom of `kept` that they exclude, and what steps that add one do to the other."""
+        for atom in sorted(left):
+            against = [other for other in sorted(kept) if self.exclude(atom, other)]
+            if against:
+                yield f"{atom} and {against[0]} cannot hold together: {self._spoils(atom, against[0])}"
+
+    def _spoils(self, one: Atom, two: Atom) -> str:
+        """What the steps that add each do to the other, a step for each."""
+        parts = []
+        for atom, other in ((one, two), (two, one)):
+            for step in [s for s in self._steps if atom in s.add][:1]:
+                if other in step.delete:
+                    parts.append(f"{step} takes {other} away")
+                elif other in step.absent:
+                    parts.append(f"{step} forbids {other}")
+                else:
+                    needs = next((a for a in sorted(step.pre) if self.exclude(a, other)), None)
+                    if needs is not None:
+                        parts.append(f"{step} needs {needs}, which cannot hold together with {other} either")
+        return "; ".join(parts) or "no step adds one beside the other"
 
 
-def _spoils(steps: Sequence[GroundOperator], pairs: set[frozenset[Atom]], one: Atom, two: Atom) -> str:
-    """What the steps that add each do to the other, a step for each."""
-    parts = []
-    for atom, other in ((one, two), (two, one)):
-        for step in [s for s in steps if atom in s.add][:1]:
-            if other in step.delete:
-                parts.append(f"{step} takes {other} away")
-            elif other in step.absent:
-                parts.append(f"{step} forbids {other}")
-            else:
-                needs = next((a for a in sorted(step.pre) if _pair(a, other) not in pairs), None)
-                if needs is not None:
-                    parts.append(f"{step} needs {needs}, which cannot hold together with {other} either")
-    return "; ".join(parts) or "no step adds one beside the other"
-
-
-def _pair(one: Atom, two: Atom) -> frozenset[Atom]:
-    return frozenset((one, two))
-
-
-def _pairs(steps: Sequence[GroundOperator], init: State, deadline: float) -> set[frozenset[Atom]] | None:
-    """Pairs (and single atoms) that may hold together; None where the time is over."""
-    known = {_pair(a, b) for a in init for b in init}
-    singles, before = set(init), -1
-    while len(known) != before:
-        before = len(known)
-        for step in steps:
-            if time.monotonic() > deadline:
-                return None
-            if any(_pair(a, b) not in known for a in step.pre for b in step.pre):
-                continue
-            known |= {_pair(a, b) for a in step.add for b in step.add}
-            for other in [a for a in singles if a not in step.delete and a not in step.absent]:
-                if all(_pair(other, a) in known for a in step.pre):
-                    known |= {_pair(other, a) for a in step.add}
-            singles |= step.add
-    return known
+def _bits(mask: int) -> Iterator[int]:
+    while mask:
+        low = mask & -mask
+        yield low.bit_length() - 1
+        mask ^= low
 
 
 def _closure(init: State, steps: Iterable[GroundOperator]) -> State:

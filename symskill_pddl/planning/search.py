@@ -172,7 +172,20 @@ def _best_first(
     return None, expanded
 
 
-def _lazy_greedy(task: Task, relaxation: Relaxation, deadline: float) -> tuple[list[Action] | None, int]:
+def can_reach(task: Task, expansions: int) -> tuple[bool | None, int]:
+    """Whether the greedy search finds a plan, None where it gave up, and how many states it expanded."""
+    if task.goal is None:
+        return False, 0
+    try:
+        found, expanded = _lazy_greedy(task, Relaxation(task), INFINITE, expansions=expansions)
+    except _OutOfPatienceError:
+        return None, expansions
+    return found is not None, expanded
+
+
+def _lazy_greedy(
+    task: Task, relaxation: Relaxation, deadline: float, *, expansions: int | None = None
+) -> tuple[list[Action] | None, int]:
     """Greedy on the parent's h, evaluating a state only when it is taken out; helpful actions have a queue of their own."""
     goal = task.goal_mask
     queues: tuple[list[_Entry], list[_Entry]] = ([(0.0, 0, task.init, None)], [])  # all actions; preferred ones
@@ -193,6 +206,8 @@ def _lazy_greedy(task: Task, relaxation: Relaxation, deadline: float) -> tuple[l
             parent[state] = (before, action)
         if state & goal == goal:
             return _trace(parent, state), expanded
+        if expanded == expansions:
+            raise _OutOfPatienceError
         if time.monotonic() > deadline:
             raise OutOfTimeError
         h, helpful = relaxation.h_ff_with_plan(state)

@@ -2,7 +2,7 @@
 
 from contextlib import suppress
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, count
 from pathlib import Path
 
 import pytest
@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from random_domains import atoms, breadth_first, covered_egg, domains, kitchen, problems
 
 from symskill_pddl.pddl import read_domain, read_problem
-from symskill_pddl.planning import Builtin, Status, why_not
-from symskill_pddl.planning.conflicts import exclusions, forbidden
+from symskill_pddl.planning import Builtin, Effort, Status, why_not
+from symskill_pddl.planning.conflicts import Pairs, forbidden
 from symskill_pddl.planning.grounding import reachable
 from symskill_pddl.symbols import Absent, Atom, Problem, State
 
@@ -76,7 +76,7 @@ def said():
     lines = []
     for name, make in BROKEN.items():
         domain, problem = make()
-        lines += [f"{name}:", *(f"    {line}" for line in why_not(domain, problem, Builtin()))]
+        lines += [f"{name}:", *(f"    {line}" for line in why_not(domain, problem))]
     return "".join(line + "\n" for line in lines)
 
 
@@ -84,7 +84,7 @@ def said():
 def test_it_has_no_plan_and_a_reason(name):
     domain, problem = BROKEN[name]()
     assert Builtin().solve(domain, problem).status is Status.UNSOLVABLE
-    lines = why_not(domain, problem, Builtin())
+    lines = why_not(domain, problem)
     assert lines
     assert not any("\n" in line for line in lines)
 
@@ -99,10 +99,66 @@ def test_what_is_said_to_be_impossible_is(data):
     names = {a for a in reached if len(set(a.args)) == len(a.args)}
     for one, two in list(combinations(sorted(names), 2))[:6]:
         asked = replace(problem, goal=frozenset({one, two}))
-        lines = (*forbidden(steps, problem.init, asked.goal), *exclusions(steps, problem.init, {one}, {two}, float("inf")))
+        lines = (*forbidden(steps, problem.init, asked.goal), *Pairs(steps, problem.init, 10**6).reasons({one}, {two}))
         with suppress(OverflowError):
             assert not lines or breadth_first(domain, asked) is None
 
 
 def test_the_reasons_word_by_word():
     assert said() == GOLDEN.read_text()
+
+
+def test_the_clock_plays_no_part(monkeypatch):
+    """On a machine where an hour passes between two looks at the clock, the same is said."""
+    hours = count(0.0, 3600.0)
+    monkeypatch.setattr("time.monotonic", lambda: next(hours))
+    assert said() == GOLDEN.read_text()
+    assert next(hours) > 7200.0  # it was looked at
+
+
+BOTH = "gripper-holds-lid lid-a, gripper-holds-lid lid-b, food-in-pan egg pan-a"
+
+
+@pytest.mark.parametrize(
+    ("goal", "effort", "lines"),
+    [
+        (BOTH, Effort(ground_operators=3), ["the problem is too large to be explained"]),
+        (
+            "lid-on-pan lid-a pan-c, gripper-open",
+            Effort(facts=0),
+            ["the problem is too large to be explained", "the nearest goal that can be reached: (gripper-open)"],
+        ),
+        (
+            BOTH,
+            Effort(pairs=0),
+            [
+                "each goal atom could be reached by deletion-free steps, but (gripper-holds-lid lid-b) not together with "
+                "(food-in-pan egg pan-a) (gripper-holds-lid lid-a): deletes or negative conditions stand against it",
+                "the nearest goal that can be reached: (food-in-pan egg pan-a) (gripper-holds-lid lid-a)",
+            ],
+        ),
+        (
+            BOTH,
+            Effort(pairs=0, searched=0),
+            ["a part of the goal that can be reached: (food-in-pan egg pan-a) (gripper-holds-lid lid-a)"],
+        ),
+    ],
+)
+def test_what_is_too_much_work_is_left_out(goal, effort, lines):
+    domain = without("pick-lid") if "lid-on-pan" in goal else kitchen()
+    assert list(why_not(domain, egg(goal), effort)) == lines
+
+
+def test_a_large_problem_gets_an_answer_of_counted_work():
+    pans = [f"pan-{i}" for i in range(40)]
+    foods = [f"egg-{i}" for i in range(12)]
+    problem = Problem(
+        "many",
+        "kitchen",
+        (*((f, "food") for f in foods), *((p, "pan") for p in pans)),
+        atoms("gripper-open") | {Atom("food-in-pan", (f, p)) for f, p in zip(foods, pans, strict=False)},
+        frozenset(Atom("food-in-pan", (f, pans[-1])) for f in foods) | atoms("gripper-holds-food egg-0"),
+    )
+    found = why_not(kitchen(), problem, Effort(searched=20_000))
+    assert found == why_not(kitchen(), problem, Effort(searched=20_000))
+    assert "can be reached: (food-in-pan egg-" in found[-1]

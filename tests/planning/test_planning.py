@@ -77,7 +77,7 @@ def test_an_explanation_follows_the_missing_conditions():
         "but needs (gripper-holds-lid lid-a), which cannot be reached",
         "needed (gripper-holds-lid lid-a): no operator adds 'gripper-holds-lid', and it does not hold at the start",
     )
-    assert nearest_goal(closed, problem, Builtin()) == atoms("gripper-open")
+    assert nearest_goal(closed, problem) == atoms("gripper-open")
 
 
 def test_an_explanation_without_objects():
@@ -88,12 +88,12 @@ def test_an_explanation_without_objects():
 
 def test_what_the_relaxation_reaches_is_not_blamed():
     assert explain(kitchen(), covered_egg()) == ()
-    assert nearest_goal(kitchen(), covered_egg(), Builtin()) == covered_egg().goal
+    assert nearest_goal(kitchen(), covered_egg()) == covered_egg().goal
 
 
 def test_goals_that_exclude_one_another():
     both = replace(covered_egg(), goal=atoms("gripper-holds-lid lid-a, gripper-holds-lid lid-b, food-in-pan egg pan-a"))
-    lines = why_not(kitchen(), both, Builtin())
+    lines = why_not(kitchen(), both)
     assert "(gripper-holds-lid lid-b) and (gripper-holds-lid lid-a) cannot hold together" in lines[0]
     assert lines[-1].startswith("the nearest goal that can be reached: (food-in-pan egg pan-a) (gripper-holds-lid lid-")
 
@@ -106,7 +106,7 @@ def test_many_goal_atoms_are_built_up():
         init=atoms("gripper-open, food-in-pan egg pan-0"),
         goal=frozenset(a for p in pans for a in atoms(f"food-in-pan egg {p}")),
     )
-    assert len(nearest_goal(kitchen(), problem, Builtin())) == 1
+    assert len(nearest_goal(kitchen(), problem)) == 1
 
 
 def test_a_call_at_kitchen_size_is_quick():
