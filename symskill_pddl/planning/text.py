@@ -11,11 +11,10 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
-from typing import Any
 
+from symskill_pddl.engines.serve import Reply
 from symskill_pddl.errors import InputError, MissingDependencyError, alternatives
 from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names
@@ -76,6 +75,12 @@ class Answer:
     status: Status
     plan: str | Plan = ""
     messages: tuple[str, ...] = ()
+
+
+def answered(reply: Reply) -> Answer:
+    """What an engine said in a process of its own."""
+    plan = reply.plan if isinstance(reply.plan, str) else Plan(reply.plan or ())
+    return Answer(Status(reply.status), plan, reply.messages)
 
 
 Ask = Callable[[Problem, Limits], Answer]
@@ -218,14 +223,12 @@ class Reader(Engine):
         """Load the domain into the engine."""
         raise NotImplementedError
 
-    def engine(self, module: str = "") -> Any:
-        """The engine's module, imported when first asked for."""
-        try:
-            return import_module(module or self.module)
-        except ImportError:
+    def required(self) -> None:
+        """Raise `MissingDependencyError` where the engine is not installed."""
+        if not self.installed():
             raise MissingDependencyError(
                 f"the planner '{self.family}' is not installed; pip install 'symskill-pddl[planners]' (or {self.package})"
-            ) from None
+            )
 
 
 def _bare(text: str) -> str:
