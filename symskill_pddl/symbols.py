@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import combinations, product
 
 from symskill_pddl.errors import InputError, alternatives
 
@@ -85,7 +85,7 @@ class Operator:
     """A lifted action. All sets hold lifted atoms over `parameters`.
 
     `maintain` holds over [start, end) of the execution and may contain atoms that the operator itself deletes;
-    `protected` is what must not fall. Distinct parameters are bound to distinct objects (injective binding).
+    `protected` is what must not fall.
     """
 
     name: str
@@ -96,6 +96,9 @@ class Operator:
     maintain: frozenset[Atom] = frozenset()
     absent: frozenset[Absent] = frozenset()
     cost: float = 1.0
+    distinct: frozenset[tuple[str, str]] | None = None
+    """Pairs of parameters, in their order, that are bound to different objects. None is all pairs, which is what demonstrations
+    show; a domain that somebody wrote has those that its text names."""
 
     def __post_init__(self) -> None:
         names = [p.name for p in self.parameters]
@@ -112,6 +115,17 @@ class Operator:
             for variable in absent.atom.variables:
                 if variable not in bound:
                     raise InputError(f"operator '{self.name}' uses {variable} in not {absent.atom} without declaring it")
+        pairs = frozenset(combinations(names, 2))
+        if self.distinct == pairs:  # one way to say it, so that equal operators are equal
+            object.__setattr__(self, "distinct", None)
+        elif self.distinct and (unknown := sorted(self.distinct - pairs)):
+            raise InputError(f"operator '{self.name}': {' and '.join(unknown[0])} are no two of its parameters in their order")
+
+    @property
+    def distinct_pairs(self) -> tuple[tuple[str, str], ...]:
+        """The pairs of parameters that are bound to different objects, in order."""
+        names = [p.name for p in self.parameters]
+        return tuple(pair for pair in combinations(names, 2) if self.distinct is None or pair in self.distinct)
 
     @property
     def protected(self) -> frozenset[Atom]:
@@ -200,7 +214,8 @@ class Domain:
         Raises
         ------
         InputError
-            Wrong number of arguments, an unknown object, an object of the wrong type, or one object for two parameters.
+            Wrong number of arguments, an unknown object, an object of the wrong type, or one object for two parameters that
+            are to be different.
         """
         if len(args) != len(op.parameters):
             expected = " ".join(f"{p.name} - {p.type}" for p in op.parameters)
@@ -214,9 +229,10 @@ class Domain:
                     f"'{op.name}' needs a {parameter.type} for {parameter.name}, '{arg}' is a {objects[arg]}; "
                     f"objects that fit: {fitting}"
                 )
-        if len(set(args)) != len(args):
-            raise InputError(f"'{op.name}' needs a different object for each parameter, got: {' '.join(args)}")
         binding = dict(zip((p.name for p in op.parameters), args, strict=True))
+        if len(set(args)) != len(args) and any(binding[a] == binding[b] for a, b in op.distinct_pairs):
+            a, b = next((a, b) for a, b in op.distinct_pairs if binding[a] == binding[b])
+            raise InputError(f"'{op.name}' needs different objects for {a} and {b}, got: {' '.join(args)}")
 
         def bind(atoms: Iterable[Atom]) -> State:
             return frozenset(a.substitute(binding) for a in atoms)

@@ -140,3 +140,20 @@ def test_an_ill_formed_problem_is_refused(change, message):
     check_problem(kitchen(), covered_egg())
     with pytest.raises(InputError, match=message):
         check_problem(kitchen(), replace(covered_egg(), **change))
+
+
+def pair_up(distinct):
+    xy = (Parameter("?x", "object"), Parameter("?y", "object"))
+    op = Operator("greet", xy, frozenset(), frozenset({Atom("met", ("?x", "?y"))}), frozenset(), distinct=distinct)
+    return Domain("d", (), (Predicate("met", ("object", "object")),), (op,))
+
+
+def test_parameters_may_coincide_where_nothing_says_otherwise():
+    free, objects = pair_up(frozenset()), {"home": "object", "away": "object"}
+    assert free.ground(free.operators[0], ("home", "home"), objects).add == {Atom("met", ("home", "home"))}
+    learned = pair_up(None)
+    with pytest.raises(InputError, match=r"different objects for \?x and \?y"):
+        learned.ground(learned.operators[0], ("home", "home"), objects)
+    assert pair_up(frozenset({("?x", "?y")})) == learned
+    with pytest.raises(InputError, match="in their order"):
+        pair_up(frozenset({("?y", "?x")}))

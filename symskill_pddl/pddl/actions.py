@@ -19,6 +19,7 @@ class _Conditions:
     """What a precondition collects."""
 
     pre: set[Atom] = field(default_factory=set)
+    distinct: set[tuple[str, str]] = field(default_factory=set)
     absent: set[Absent] = field(default_factory=set)
 
 
@@ -60,6 +61,7 @@ class ActionReader(Reader):
             frozenset(delete),
             absent=frozenset(conditions.absent),
             cost=sum(costs) if costs else 1.0,
+            distinct=frozenset(conditions.distinct),
         )
 
     def _durative(
@@ -92,6 +94,7 @@ class ActionReader(Reader):
             maintain,
             absent=frozenset(start.absent),
             cost=cost,
+            distinct=frozenset(start.distinct),
         )
 
     def _timed(self, node: Node | None, whens: Mapping[str, T]) -> list[tuple[T, Node]]:
@@ -140,6 +143,8 @@ class ActionReader(Reader):
             sides = [self.word(item, "a variable") for item in inner.items[1:]]
             if len(sides) != 2 or any(side not in scope for side in sides) or sides[0] == sides[1]:
                 raise self.error(inner, f"expected (not (= ?a ?b)) of two parameters, got '{group}'")
+            order = list(scope)
+            into.distinct.add((min(sides, key=order.index), max(sides, key=order.index)))
             return
         into.absent.add(Absent(self.atom(inner, domain, scope), over))
 

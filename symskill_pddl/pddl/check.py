@@ -201,6 +201,13 @@ def _preconditions(old: Operator, new: Operator) -> Iterator[tuple[Severity, str
         yield Severity.NOTE, f"also needs {atom}"
     for atom in sorted(old.pre - new.pre):
         yield Severity.WARNING, f"no longer needs {atom}, which held in every demonstration"
+    for pair in old.distinct_pairs:
+        if (
+            pair not in new.distinct_pairs
+            and pair[::-1] not in new.distinct_pairs
+            and set(pair) <= {p.name for p in new.parameters}
+        ):
+            yield Severity.WARNING, f"{pair[0]} and {pair[1]} may be one object, which no demonstration shows"
     for absent in sorted(_nameless(new.absent) - _nameless(old.absent)):
         yield Severity.NOTE, f"also forbids {absent.atom}"
     for absent in sorted(_nameless(old.absent) - _nameless(new.absent)):
@@ -245,4 +252,5 @@ def _rename(op: Operator, binding: Mapping[str, str]) -> Operator:
         delete=moved(op.delete),
         maintain=moved(op.maintain),
         absent=frozenset(Absent(a.atom.substitute(binding), a.over) for a in op.absent),
+        distinct=op.distinct and frozenset((binding[a], binding[b]) for a, b in op.distinct),
     )

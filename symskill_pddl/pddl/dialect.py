@@ -9,12 +9,13 @@ The law that ties writing to reading is ``read_domain(write_domain(d, dialect=x)
 | `costs`    | as `negative`         | as `negative`                | integer hundredths | comment                 |
 | `temporal` | as `negative`         | as `negative`                | duration [s]       | `over all`, delete time |
 
-Operators bind distinct parameters to distinct objects. PDDL does not, so the export says it wherever two parameters have related
-types. In `strips`, which has no equality, it is a static predicate that the problem states for every pair of different objects:
-exact, and pruned while grounding. Hence a plan for the text is a plan by the semantics of `symbols`, and the reverse, but for one
-thing that `strips` may have to add: the complement of "no lid on this pan" can be kept only while at most one lid is on a pan. An
-operator that adds one without asking whether there is one asks in `strips` (`Exported.stated`) where the demonstrations never
-showed two (`Absent.at_most_one`); where that was not observed, the dialect refuses.
+Learned operators bind distinct parameters to distinct objects. PDDL does not, so the export says it wherever two such
+parameters have related types. In `strips`, which has no equality, it is a static predicate that the problem states for every
+pair of different objects: exact, and pruned while grounding. Hence a plan for the text is a plan by the semantics of
+`symbols`, and the reverse, but for one thing that `strips` may have to add: the complement of "no lid on this pan" can be
+kept only while at most one lid is on a pan. An operator that adds one without asking whether there is one asks in `strips`
+(`Exported.stated`) where the demonstrations never showed two (`Absent.at_most_one`); where that was not observed, the dialect
+refuses.
 """
 
 from __future__ import annotations
@@ -139,7 +140,7 @@ def exported(domain: Domain, dialect: str) -> Exported:
     if dialect not in DIALECTS:
         raise InputError(f"unknown dialect '{dialect}'; there are: {alternatives(DIALECTS)}")
     check_domain(domain)
-    plain = replace(domain, operators=tuple(_plain(op, dialect) for op in domain.operators))
+    plain = replace(domain, operators=tuple(_plain(domain, op, dialect) for op in domain.operators))
     if dialect == "strips":
         return _positive(domain, plain)
     if dialect == "temporal":
@@ -166,10 +167,12 @@ def expressible(domain: Domain) -> tuple[str, ...]:
 
 
 def unifiable(domain: Domain, op: Operator) -> tuple[tuple[str, str], ...]:
-    """Pairs of parameters to which PDDL could bind one object: the type of one is the other's, or above it."""
-    return tuple(
-        (a.name, b.name) for a, b in combinations(op.parameters, 2) if domain.is_a(a.type, b.type) or domain.is_a(b.type, a.type)
-    )
+    """Pairs of different parameters to which PDDL could bind one object: the type of one is the other's, or above it."""
+    types, found = {p.name: p.type for p in op.parameters}, []
+    for a, b in op.distinct_pairs:
+        if domain.is_a(types[a], types[b]) or domain.is_a(types[b], types[a]):
+            found.append((a, b))
+    return tuple(found)
 
 
 def fresh(name: str, domain: Domain) -> str:
@@ -178,12 +181,13 @@ def fresh(name: str, domain: Domain) -> str:
     return next(n for n in (name, *(f"{name}-{i}" for i in range(2, len(taken) + 3))) if n not in taken)
 
 
-def _plain(op: Operator, dialect: str) -> Operator:
-    """Drop what the dialect does not carry, and deletes that the same operator adds back."""
+def _plain(domain: Domain, op: Operator, dialect: str) -> Operator:
+    """Drop what the dialect does not carry, and deletes that the same operator adds back; of the inequalities, what types say."""
     cost = {"costs": float(round(op.cost * COST_SCALE)), "temporal": round(op.cost, 3)}.get(dialect, 1.0)
     maintain = op.maintain if dialect == "temporal" else frozenset()
     absent = op.absent if dialect == "strips" else frozenset(replace(a, at_most_one=False) for a in op.absent)
-    return replace(op, delete=op.delete - op.add, cost=cost, maintain=maintain, absent=absent)
+    distinct = frozenset(unifiable(domain, op))
+    return replace(op, delete=op.delete - op.add, cost=cost, maintain=maintain, absent=absent, distinct=distinct)
 
 
 def _positive(original: Domain, domain: Domain) -> Exported:
@@ -199,6 +203,8 @@ def _positive(original: Domain, domain: Domain) -> Exported:
                 prefix = "not" if not over else "no-" + "-".join(kind for _, kind in over) if _narrow(domain, key) else "none"
                 taken = replace(domain, predicates=(*domain.predicates, *(Predicate(c.name) for c in complements.values())))
                 complements[key] = Complement(fresh(f"{prefix}-{key[0]}", taken), key[0], keep, over, key in observed)
+    for op in domain.operators:
+        _check_complements(domain, op, complements.values())
     stated = tuple(s for complement in complements.values() if complement.over for s in _exclusive(domain, complement))
     clash = {p.type for op in domain.operators for pair in unifiable(domain, op) for p in op.parameters if p.name in pair}
     different = fresh("different", domain) if clash else ""
@@ -218,9 +224,24 @@ def _positive(original: Domain, domain: Domain) -> Exported:
             filled = {complement.of(a) for a in op.add if _touches(domain, op, complement, a)}
             delete |= filled
             add |= {complement.of(a) for a in op.delete if _touches(domain, op, complement, a)} - filled
-        operators.append(replace(op, pre=frozenset(pre), add=frozenset(add), delete=frozenset(delete), absent=frozenset()))
+        positive = replace(op, absent=frozenset(), distinct=frozenset())
+        operators.append(replace(positive, pre=frozenset(pre), add=frozenset(add), delete=frozenset(delete)))
     compiled = replace(domain, predicates=tuple(predicates), operators=tuple(operators))
     return Exported(compiled, original, "strips", tuple(complements.values()), different, tuple(sorted(clash)), stated=stated)
+
+
+def _check_complements(domain: Domain, op: Operator, complements: Iterable[Complement]) -> None:
+    """Effects tell which complements change only while different atoms of an operator stay different once they are bound."""
+    may_be_one = set(unifiable(domain, replace(op, distinct=None))) - set(op.distinct_pairs)
+    for complement in complements if may_be_one else ():
+        places = {complement.of(a) for a in op.add | op.delete if a.predicate == complement.predicate}
+        for one, other in combinations(sorted(places), 2):
+            pairs = [{a, b} for a, b in zip(one.args, other.args, strict=True) if a != b]
+            if all(any(pair == set(known) for known in may_be_one) for pair in pairs):
+                raise InputError(
+                    f"operator '{op.name}': {' and '.join(sorted(pairs[0]))} may be one object, so the 'strips' dialect cannot "
+                    f"compile the negative conditions on '{complement.predicate}'; use 'negative'"
+                )
 
 
 def _narrow(domain: Domain, key: tuple[str, tuple[tuple[int, str], ...]]) -> bool:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 from symskill_pddl.errors import InputError
 from symskill_pddl.pddl.check import Binding, Comparison, Severity
-from symskill_pddl.pddl.dialect import COST_SCALE, Complement, Exported
+from symskill_pddl.pddl.dialect import COST_SCALE, Complement, Exported, unifiable
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.symbols import ROOT_TYPE, Absent, Atom, Domain, Operator, Parameter, Predicate, Type
 
@@ -44,11 +44,13 @@ def undone(comparison: Comparison, learned: Domain, edited: Domain) -> Edited:
     form, back = comparison.form, comparison.names.inverse()
     actions = {op.name: op for op in edited.operators}
     written = any(op.cost != 1.0 for op in edited.operators)
+    pairs = {op.name: _distinct(form, edited, op) for op in edited.operators}
     operators, behind = [], {}
     for binding in comparison.bindings:
         old, new = learned.operator(binding.operator), actions[binding.action]
         cost = old.cost if form.dialect in ("strips", "negative") and not written else new.cost
-        op = _operator(form, back, binding, old, new, cost / COST_SCALE if form.dialect == "costs" else cost)
+        new = replace(new, distinct=pairs[new.name], cost=cost / COST_SCALE if form.dialect == "costs" else cost)
+        op = _operator(form, back, binding, old, new)
         operators.append(op)
         behind[op.name] = old.name
     helpers = {*(c.name for c in form.complements), form.different, form.arm}
@@ -61,7 +63,16 @@ def undone(comparison: Comparison, learned: Domain, edited: Domain) -> Edited:
     return Edited(Domain(learned.name, types, predicates, tuple(operators)), behind)
 
 
-def _operator(form: Exported, back: Names, binding: Binding, old: Operator, new: Operator, cost: float) -> Operator:
+def _distinct(form: Exported, edited: Domain, op: Operator) -> frozenset[tuple[str, str]] | None:
+    """The inequalities that an action states, by `=` or by the predicate; None where it states all that its types leave open."""
+    order = [p.name for p in op.parameters]
+    said = {tuple(sorted(a.args, key=order.index)) for a in op.pre if a.predicate == form.different}
+    said |= set(op.distinct_pairs)
+    missing = set(unifiable(edited, replace(op, distinct=None))) - said
+    return frozenset((a, b) for a, b in said) if missing else None
+
+
+def _operator(form: Exported, back: Names, binding: Binding, old: Operator, new: Operator) -> Operator:
     variables = {new.parameters[i].name: p.name for i, p in zip(binding.order, old.parameters, strict=True)}
     for parameter in new.parameters:
         if parameter.name not in variables:
@@ -84,7 +95,8 @@ def _operator(form: Exported, back: Names, binding: Binding, old: Operator, new:
         pre=kept,
         absent=frozenset(_renamed(back, a, variables) for a in absent),
         maintain=maintain - (old.pre - kept),
-        cost=cost,
+        cost=new.cost,
+        distinct=new.distinct and frozenset((variables[a], variables[b]) for a, b in new.distinct),
     )
 
 

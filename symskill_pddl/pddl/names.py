@@ -294,6 +294,7 @@ class Names(BaseModel):
             absent=frozenset(
                 Absent(next(iter(self.atoms((a.atom,), inner))), parameters(a.over), a.at_most_one) for a in op.absent
             ),
+            distinct=op.distinct and frozenset((inner.get(a, a), inner.get(b, b)) for a, b in op.distinct),
         )
 
     def dumps(self) -> str:

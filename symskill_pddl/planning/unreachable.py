@@ -83,12 +83,18 @@ class Unreachable:
                 return None
         domain, objects = self._domain, self._objects
         kinds = {p.name: p.type for p in op.parameters}
-        if len(set(binding.values())) != len(binding) or any(not domain.is_a(objects[o], kinds[v]) for v, o in binding.items()):
+        pairs = op.distinct_pairs
+
+        def taken(variable: str, name: str) -> bool:
+            """Whether a parameter that has to be another is bound to the object."""
+            return any(binding.get(b if variable == a else a) == name for a, b in pairs if variable in (a, b))
+
+        if any(taken(v, o) or not domain.is_a(objects[o], kinds[v]) for v, o in binding.items()):
             return None
         for parameter in op.parameters:
             if parameter.name in binding:
                 continue
-            pool = [o for o, t in self._problem.objects if domain.is_a(t, parameter.type) and o not in binding.values()]
+            pool = [o for o, t in self._problem.objects if domain.is_a(t, parameter.type) and not taken(parameter.name, o)]
             if not pool:
                 return None
             scored = [(len(self._missing(op, {**binding, parameter.name: o})), i, o) for i, o in enumerate(pool)]

@@ -63,6 +63,7 @@ def test_what_others_write():
                 frozenset(),
                 absent=frozenset({Absent(Atom("on", ("?y", "?x"))), *(Absent(Atom("on", ("?z", v)), z) for v in ("?x", "?y"))}),
                 cost=2.5,
+                distinct=frozenset({("?x", "?y")}),
             ),
             Operator("noop", (), frozenset(), frozenset(), frozenset()),
         ),

@@ -32,10 +32,13 @@ MATCHES = """(define (domain d) (:types thing candle match - thing)
     (tool ?t - thing) (sharp ?t - thing) (cut ?t - thing))
   (:action light :parameters (?m - match ?c - candle)
     :precondition (and (fresh ?m) (dry)) :effect (and (lit ?c) (not (fresh ?m))))
-  (:action put-beside :parameters (?a ?b - thing) :precondition (dry) :effect (near ?a ?b))
+  (:action put-beside :parameters (?a ?b - thing)
+    :precondition (and (dry) (not (= ?a ?b))) :effect (near ?a ?b))
   (:action rain :parameters () :precondition (dry) :effect (not (dry)))
-  (:action cut :parameters (?t ?by - thing) :precondition (and (tool ?by) (sharp ?by)) :effect (cut ?t))
-  (:action sharpen :parameters (?t ?by - thing) :precondition (and (cut ?t) (sharp ?by)) :effect (sharp ?t)))"""
+  (:action cut :parameters (?t ?by - thing)
+    :precondition (and (tool ?by) (sharp ?by) (not (= ?t ?by))) :effect (cut ?t))
+  (:action sharpen :parameters (?t ?by - thing)
+    :precondition (and (cut ?t) (sharp ?by) (not (= ?t ?by))) :effect (sharp ?t)))"""
 
 
 def matches(goal, init="(fresh m) (dry)", objects="m - match c d - candle"):
