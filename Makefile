@@ -98,9 +98,9 @@ TASKS := OpenSingleDoor CloseSingleDoor PnPCabToCounter PnPCounterToCab PnPStove
     TurnOnStove TurnOffStove TurnOnSinkFaucet TurnOffSinkFaucet
 demonstrations: install
 	mkdir -p symskill_pddl/data/kitchen
-	for task in $(TASKS); do $(BIN)/symskill record $$task -n 10 --seed 0 -o symskill_pddl/data/kitchen/$$task.hdf5; done
+	for task in $(TASKS); do $(BIN)/symskill record $$task -n 10 --seed 0 --force -o symskill_pddl/data/kitchen/$$task.hdf5; done
 	mkdir -p symskill_pddl/data/play
-	$(BIN)/symskill record Play -n 1 --seed 0 -o symskill_pddl/data/play/Play.hdf5
+	$(BIN)/symskill record Play -n 1 --seed 0 --force -o symskill_pddl/data/play/Play.hdf5
 
 clean:
 	rm -rf symskill-out .mypy_cache .ruff_cache .pytest_cache .import_linter_cache build ./*.egg-info

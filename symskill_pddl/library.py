@@ -129,20 +129,26 @@ class Library:
 
         return to_unified_planning(self.domain(name), problem, dialect=dialect)
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | Path, *, replace: bool = True) -> None:
         """Write the folder `path`: `library.json`, `skills/*.npz`, `demos/*.hdf5`; same library, same bytes.
 
         Arrays and demonstrations carry their checksum in their name and `library.json` is replaced last, so a crash leaves the
-        old library or the new one.
+        old library or the new one, and who reads at the same time gets one of the two. Files of somebody else stay there.
+
+        Parameters
+        ----------
+        replace : bool
+            Whether another library that is there may be replaced.
 
         Raises
         ------
         InputError
-            If the folder cannot be written.
+            The folder is neither new, nor empty, nor a library, or is a link; there is another library and `replace` is false;
+            another program is writing it; or it cannot be written.
         """
         from symskill_pddl.library_io import save
 
-        save(self, Path(path))
+        save(self, Path(path), replace=replace)
 
     @classmethod
     def load(cls, path: str | Path) -> Library:

@@ -7,8 +7,10 @@ import io
 import json
 import re
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,40 +20,92 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from symskill_pddl.abstraction import Classifier, GripperRule
 from symskill_pddl.errors import FormatError, InputError, SymSkillError, alternatives
-from symskill_pddl.files import write_atomic
+from symskill_pddl.files import Shape, Writer
+from symskill_pddl.files import writing as writing_folder
 from symskill_pddl.geometry import Pose
 from symskill_pddl.library import DEMOS, INDEX, SCHEMA_VERSION, SKILLS, Evidence, Experience, Goal, LearnedOperator, Library
 from symskill_pddl.skills import Skill
 from symskill_pddl.symbols import Absent, Atom, Domain, Operator, Parameter, Predicate, Type
 
+FORMAT = "symskill-library"
+FILE_NAME = re.compile(r"[\w.-]+\.(npz|hdf5)")
+"""What a file in `SKILLS` or `DEMOS` may be called."""
 
-def save(library: Library, folder: Path) -> None:
+
+def save(library: Library, folder: Path, *, replace: bool = True) -> None:
     """Write a library; see `Library.save`."""
+    with writing(folder, replace=replace) as write:
+        write(library)
+
+
+@contextmanager
+def writing(folder: Path, *, replace: bool = True) -> Iterator[Callable[[Library], None]]:
+    """Become the only one who writes a library into a folder; the value saves one. For who reads the old one to make the new.
+
+    Raises
+    ------
+    InputError
+        As `Library.save`.
+    """
+    with writing_folder(folder, SHAPE, replace=replace) as writer:
+        yield partial(_save, writer)
+
+
+def _save(writer: Writer, library: Library) -> None:
     skills = {name: _npz(skill.arrays()) for name, skill in sorted(library.skills.items())}
     recordings = dict(sorted(library.recordings.items()))
     named = {n: _File(file=f"{n}.{_sha(c)[:12]}.npz", sha256=_sha(c)) for n, c in skills.items()}
     # a source is any file's stem, not always a name that a folder may hold
     copies = {n: _File(file=f"{_sha(c)[:16]}.hdf5", sha256=_sha(c)) for n, c in recordings.items()}
-    for sub, files, contents in ((SKILLS, named, skills), (DEMOS, copies, recordings)):
-        if files or sub == SKILLS:
-            _make(folder / sub)
-        for name, file in files.items():
-            write_atomic(folder / sub / file.file, contents[name])
     listed = {
         "skills": {n: f.model_dump() for n, f in named.items()},
         "recordings": {n: f.model_dump() for n, f in copies.items()},
     }
     document = _Document.model_validate(_as_json(library) | listed)
-    write_atomic(folder / INDEX, (json.dumps(document.model_dump(), indent=1) + "\n").encode())
-    for sub, suffix, files in ((SKILLS, "npz", named), (DEMOS, "hdf5", copies)):
-        for stale in sorted({p.name for p in (folder / sub).glob(f"*.{suffix}")} - {f.file for f in files.values()}):
-            (folder / sub / stale).unlink(missing_ok=True)
+    files = {f"{SKILLS}/{f.file}": skills[n] for n, f in named.items()}
+    files |= {f"{DEMOS}/{f.file}": recordings[n] for n, f in copies.items()}
+    writer.save(files, (json.dumps(document.model_dump(), indent=1) + "\n").encode())
+
+
+def _listed(index: bytes) -> frozenset[str] | None:
+    """The files that an index names, also one of another version; none if the text is no index of a library."""
+    try:
+        document = json.loads(index)
+        if document["format"] != FORMAT:
+            return None
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return None
+    found = set()
+    for key, sub in (("skills", SKILLS), ("recordings", DEMOS)):
+        entries = document.get(key)
+        for entry in entries.values() if isinstance(entries, dict) else ():
+            name = entry.get("file") if isinstance(entry, dict) else None
+            if isinstance(name, str) and FILE_NAME.fullmatch(name):
+                found.add(f"{sub}/{name}")
+    return frozenset(found)
+
+
+SHAPE = Shape("library", INDEX, (SKILLS, DEMOS), _listed)
 
 
 def load(folder: Path) -> Library:
     """Read a library; see `Library.load`."""
     index = folder / INDEX
-    document = _read_document(index)
+    raw = _read_index(index)
+    while True:
+        try:
+            return _load(folder, raw)
+        except FormatError:
+            # somebody replaced it while it was read: the new one is whole
+            again = _read_index(index)
+            if again == raw:
+                raise
+            raw = again
+
+
+def _load(folder: Path, raw: bytes) -> Library:
+    index = folder / INDEX
+    document = _read_document(index, raw)
     skills = {name: _read_skill(folder / SKILLS, entry) for name, entry in document.skills.items()}
     recordings = {name: _read_file(folder / DEMOS, entry) for name, entry in document.recordings.items()}
     try:
@@ -62,13 +116,6 @@ def load(folder: Path) -> Library:
     except (SymSkillError, ValueError, np.linalg.LinAlgError) as error:
         raise FormatError(f"'{index}' holds what does not fit together: {error}") from None
     return library
-
-
-def _make(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"cannot make the folder '{folder}': {error.strerror or error}") from error
 
 
 def _sha(content: bytes) -> str:
@@ -181,7 +228,7 @@ def _pairs(parameters: Iterable[Parameter]) -> list[_Pair]:
 
 def _as_json(library: Library) -> dict[str, Any]:
     return {
-        "format": "symskill-library",
+        "format": FORMAT,
         "schema_version": SCHEMA_VERSION,
         "types": [(t.name, t.parent) for t in library.types],
         "predicates": [
@@ -304,13 +351,16 @@ def _check_operator(learned: LearnedOperator, domain: Domain, skills: Mapping[st
             raise InputError(f"the skill '{learned.skill}' lives in the frame of {phase.frame}, which '{op.name}' does not have")
 
 
-def _read_document(index: Path) -> _Document:
+def _read_index(index: Path) -> bytes:
     try:
-        raw = index.read_bytes()
+        return index.read_bytes()
     except OSError as error:
         raise FormatError(
             f"cannot read '{index}': {error.strerror or error}; a library is a folder with {INDEX} and {SKILLS}/"
         ) from None
+
+
+def _read_document(index: Path, raw: bytes) -> _Document:
     try:
         return _Document.model_validate_json(raw)
     except ValidationError as error:
@@ -321,7 +371,7 @@ def _read_document(index: Path) -> _Document:
 
 def _read_file(folder: Path, entry: _File) -> bytes:
     path = folder / entry.file
-    if not re.fullmatch(r"[\w.-]+\.(npz|hdf5)", entry.file):
+    if not FILE_NAME.fullmatch(entry.file):
         raise FormatError(f"'{path}' is no file name of a library")
     try:
         content = path.read_bytes()

@@ -34,5 +34,5 @@ def test_a_failure_at_any_step_leaves_the_old_content_and_no_litter(tmp_path, mo
 def test_folders_are_refused(tmp_path):
     with pytest.raises(InputError, match="is a folder"):
         write_atomic(tmp_path, b"")
-    with pytest.raises(InputError, match="No such file or directory"):
+    with pytest.raises(InputError, match="there is no folder"):
         write_atomic(tmp_path / "none" / "a.txt", b"")

@@ -69,7 +69,7 @@ def test_a_newer_library_replaces_an_older_one_whole(library, other, saved):
 
 
 def test_a_crash_before_the_last_write_leaves_the_old_library(library, other, saved, monkeypatch):
-    import symskill_pddl.library_io as module
+    import symskill_pddl.files.folder as module
 
     real = module.write_atomic
 
@@ -162,7 +162,7 @@ def test_what_does_not_fit_is_refused_in_words(saved, change, message):
 
 def test_a_folder_that_cannot_be_made(library, tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="cannot make the folder"):
+    with pytest.raises(InputError, match="cannot write the library .*it is no folder"):
         library.save(tmp_path / "file")
 
 

@@ -1,3 +1,4 @@
+; symskill e42fb8aad97c: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task CookDinner, seed 0
 ; assumed (food-in-cookware can pan): can is in no known relation, this is the nearest (margin -0.03)
 (define (problem cookdinner-0)

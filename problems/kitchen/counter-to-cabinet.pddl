@@ -1,3 +1,4 @@
+; symskill 0694b8060c78: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PnPCounterToCab, seed 0
 (define (problem pnpcountertocab-0)
   (:domain kitchen)

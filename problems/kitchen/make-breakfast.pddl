@@ -1,3 +1,4 @@
+; symskill e397a10c6dc1: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task MakeBreakfast, seed 0
 (define (problem makebreakfast-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill 274735bf296d: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task TurnOffStove, seed 0
 (define (problem turnoffstove-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill 6a5f93ab1207: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task TurnOnSinkFaucet, seed 0
 (define (problem turnonsinkfaucet-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill 539ed345b055: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task TurnOnStove, seed 0
 (define (problem turnonstove-0)
   (:domain kitchen)

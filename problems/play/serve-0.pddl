@@ -1,3 +1,4 @@
+; symskill 494f3b84e282: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayServe, seed 0
 (define (problem playserve-0)
   (:domain play)

@@ -1,3 +1,4 @@
+; symskill a3cd58f3bd7f: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlaySwap, seed 1
 (define (problem playswap-1)
   (:domain play)

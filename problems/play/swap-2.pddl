@@ -1,3 +1,4 @@
+; symskill 747a371e73e7: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlaySwap, seed 2
 (define (problem playswap-2)
   (:domain play)

@@ -1,3 +1,4 @@
+; symskill ee4822eaff6f: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlaySwap, seed 3
 (define (problem playswap-3)
   (:domain play)

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
-from symskill_pddl.cli.options import JsonFlag, LibraryArgument, WorldOption, pairs, require_folder
+from symskill_pddl.cli.options import ForceFlag, JsonFlag, LibraryArgument, WorldOption, pairs
+from symskill_pddl.cli.options import output as checked_output
 from symskill_pddl.errors import InputError
+from symskill_pddl.files import DEMOS, DRAWING
 from symskill_pddl.worlds import DEFAULT, ready
 
 if TYPE_CHECKING:
@@ -24,18 +26,19 @@ def record(
     n: Annotated[int, typer.Option("-n", help="How many demonstrations.")] = 10,
     seed: Annotated[int, typer.Option(help="Seed of the first episode.")] = 0,
     world: WorldOption = DEFAULT,
+    force: ForceFlag = False,
 ) -> None:
     """Record demonstrations of a task in a simulated world."""
     from symskill_pddl.arena import Recordable
-    from symskill_pddl.demos import save_demos
+    from symskill_pddl.demos import encode_demos
 
     arena = ready(world, task)
     if not isinstance(arena, Recordable):
         raise InputError(f"the world '{world}' has no demonstrator")
-    require_folder(output)
+    file = checked_output(output, DEMOS, force=force)
     with progress(f"recording {n} demonstrations of {task}"):
         demos, truths = arena.record(task, n, seed)
-    save_demos(output, demos, truths)
+    file.write(encode_demos(demos, str(output), truths))
     remark(f"{output}: {len(demos)} demonstrations, {sum(d.duration_s for d in demos):.0f} s")
 
 
@@ -47,19 +50,20 @@ def import_recording(
     types: Annotated[
         list[str] | None, typer.Option("--type", metavar="OBJECT=TYPE", help="Type of an object; may be repeated.")
     ] = None,
+    force: ForceFlag = False,
 ) -> None:
     """Turn a recording of robosuite or RoboCasa into demonstrations."""
-    from symskill_pddl.demos import import_robosuite, save_demos
+    from symskill_pddl.demos import encode_demos, import_robosuite
     from symskill_pddl.robocasa.recordings import import_robocasa, is_robocasa
 
-    require_folder(output)
     wanted = pairs(types or [], "--type", "OBJECT=TYPE")
     kitchens = is_robocasa(file)
     if kitchens and wanted:
         raise InputError("--type is for recordings of robosuite; the objects of RoboCasa's kitchens have their types")
+    target = checked_output(output, DEMOS, force=force, inputs=[file])
     with progress(f"replaying {file}"):
         demos = import_robocasa(file) if kitchens else import_robosuite(file, types=wanted)
-    save_demos(output, demos)
+    target.write(encode_demos(demos, str(output)))
     objects = ", ".join(f"{name} - {kind}" for name, kind in demos[0].objects.items())
     remark(f"{output}: {len(demos)} demonstrations, {sum(d.duration_s for d in demos):.0f} s; objects: {objects}")
 
@@ -88,9 +92,10 @@ def learn(
     references_cache: Annotated[
         Path | None, typer.Option("--references-cache", metavar="FOLDER", help="Where its answers are kept.")
     ] = None,
+    force: ForceFlag = False,
 ) -> None:
     """Learn predicates, operators and skills from demonstrations, and costs from recorded runs."""
-    from symskill_pddl.cli.work import learn_costs, read_runs, vision_selector
+    from symskill_pddl.cli.work import check_replaced, learn_costs, read_runs, vision_selector
 
     target = output if into is None else into
     if target is None or (output is not None and into is not None):
@@ -104,6 +109,8 @@ def learn(
         raise InputError("--references-url and --references-cache belong to --references KIND:MODEL")
     counted = read_runs(runs)
     if demos:
+        if into is None:
+            check_replaced(target, demos, force=force)
         selector = None if references is None else vision_selector(references, references_url, references_cache)
         _learn_demos(demos, target, into=into is not None, selector=selector)
     if runs:
@@ -145,6 +152,7 @@ def show(
     form: Annotated[
         str | None, typer.Option("--table", metavar="FORM", help="The operators alone, as a markdown or latex table.")
     ] = None,
+    force: ForceFlag = False,
 ) -> None:
     """Show a library: predicates, operators and skills."""
     from symskill_pddl.cli import views
@@ -162,7 +170,7 @@ def show(
     if plots is not None:
         from symskill_pddl.cli.plots import draw_skills
 
-        remark(f"{plots}: {len(draw_skills(learned, plots))} pictures")
+        remark(f"{plots}: {len(draw_skills(learned, plots, force=force))} pictures")
         return
     if form is not None:
         say("\n".join(operators_as(learned, form)))
@@ -171,7 +179,7 @@ def show(
         if picture is not None:
             from symskill_pddl.cli.picture import draw_predicate
 
-            draw_predicate(learned, why, picture)
+            draw_predicate(learned, why, checked_output(picture, DRAWING, force=force))
             remark(f"{picture}: drawn")
         reasons = reasons_of(learned, why)
         if json:

@@ -12,6 +12,7 @@ import typer
 from symskill_pddl.cli import options, work
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.errors import InputError
+from symskill_pddl.files import RESULTS, TRACE, make_folder
 from symskill_pddl.worlds import DEFAULT, ready
 
 if TYPE_CHECKING:
@@ -52,6 +53,7 @@ def evaluate(
         str | None, typer.Option("--ray", metavar="ADDRESS", help="Run on the Ray cluster there; local starts one here.")
     ] = None,
     json: options.JsonFlag = False,
+    force: options.ForceFlag = False,
 ) -> None:
     """Run many seeded episodes and count; the results do not depend on --jobs and --ray.
 
@@ -73,14 +75,15 @@ def evaluate(
         raise InputError(f"--against names a mechanism twice: {', '.join(mechanisms)}")
     others = {mechanism: without(asked, mechanism) for mechanism in mechanisms}
     pool: Pool = Processes(1 if jobs is None else jobs) if ray is None else Ray(ray, jobs or 0)
-    options.require_folder(output)
+    options.output(output, RESULTS, force=force, inputs=[domain])
     work.open_edited(library, domain)
-    results = _run(library, domain, asked, output, pool, "", keep_failed, keep=bool(others))
+    run = partial(_run, library, domain, pool=pool, force=force)
+    results = run(asked, output, "", keep_failed, keep=bool(others))
     compared: dict[str, tuple[Difference, ...]] = {}
     for mechanism, other in others.items():
         path = output.with_name(f"{output.stem}.no-{mechanism}{output.suffix}")
         kept = keep_failed / f"no-{mechanism}" if keep_failed is not None else None
-        found = _run(library, domain, other, path, pool, f" without {mechanism}", kept, keep=True)
+        found = run(other, path, f" without {mechanism}", kept, keep=True)
         compared[mechanism] = compare(results, found)
     if json:
         document = results.model_dump(mode="json")
@@ -94,12 +97,24 @@ def evaluate(
 
 
 def _run(
-    library: Path, domain: Path | None, suite: Suite, output: Path, pool: Pool, what: str, failed: Path | None, *, keep: bool
+    library: Path,
+    domain: Path | None,
+    suite: Suite,
+    output: Path,
+    what: str,
+    failed: Path | None,
+    *,
+    keep: bool,
+    pool: Pool,
+    force: bool,
 ) -> Results:
     from symskill_pddl.evaluation.resumable import evaluate as run
 
+    file = options.output(output, RESULTS, force=force, inputs=[domain])
     if failed is not None:
-        options.make_folder(failed)
+        make_folder(failed)
+        for task, seed in suite.episodes:
+            options.output(failed / f"{task}-{seed}.jsonl", TRACE, force=force)
     count = len(suite.episodes)
     with progress(f"{count} episodes{what}", total=count) as advance:
 
@@ -116,7 +131,7 @@ def _run(
             partial(work.open_edited, domain=domain),
             library,
             suite,
-            output,
+            file,
             checksum=work.checksum(library, domain),
             pool=pool,
             failed=failed,

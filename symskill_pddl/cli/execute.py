@@ -13,6 +13,7 @@ from symskill_pddl.cli import options, work
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.cli.film import check_video, filmed
 from symskill_pddl.errors import InputError
+from symskill_pddl.files import TRACE, Output
 from symskill_pddl.worlds import DEFAULT, ready
 
 if TYPE_CHECKING:
@@ -45,17 +46,19 @@ def run(
     trace: Annotated[Path | None, typer.Option("--trace", help="Write every decision to this file (JSON lines).")] = None,
     video: options.VideoOption = None,
     json: options.JsonFlag = False,
+    force: options.ForceFlag = False,
 ) -> None:
     """Plan and carry out a task. Exit status 1 if the goal is missed."""
     from symskill_pddl.evaluation.trial import prepare
     from symskill_pddl.planning import get
 
-    if trace is not None:
-        options.require_folder(trace)
-    check_video(video, world)
+    check_video(video, world, force=force)
     if problem is not None and (domain is None or goal is not None):
         raise InputError("--problem needs --domain, whose problem it is, and states the goal, so --goal cannot stand with it")
-    ready(world, task)
+    arena = ready(world, task)
+    for spec in disturb or ():
+        arena.check_disturbance(spec)
+    kept = options.output(trace, TRACE, force=force, inputs=[domain, problem]) if trace is not None else None
     learned, engine, posed = work.open_library(library), get(planner or "auto"), None
     if domain is not None:
         learned, written, comparison = work.edit(learned, domain)
@@ -72,7 +75,7 @@ def run(
     )
     with filmed(episode.world, video, world) as film:
         result, outcome = run_shown(
-            learned, episode, seed, engine, monitor=not no_monitor, trace=trace, checksum=checksum, config=config, film=film
+            learned, episode, seed, engine, monitor=not no_monitor, trace=kept, checksum=checksum, config=config, film=film
         )
     if json:
         emit_json(outcome_json(episode, result, outcome))
@@ -89,7 +92,7 @@ def run_shown(
     planner: Planner,
     *,
     monitor: bool,
-    trace: Path | None,
+    trace: Output | None,
     checksum: str,
     config: ExecutionConfig | None = None,
     film: Film | None = None,
@@ -108,10 +111,12 @@ def run_shown(
                 if film is not None:
                     film.caption = text
 
-        # a crash leaves what was written beside the old trace, which stays as it was
-        partial = trace.with_name(f"{trace.name}.partial") if trace is not None else None
-        writer = stack.enter_context(TraceWriter(partial)) if partial is not None else None
-        found = run_episode(
+        writer = None
+        if trace is not None:
+            # a crash leaves what was written beside the old trace, which stays as it was
+            stack.enter_context(trace.growing(f"another run is writing '{trace.path}'"))
+            writer = stack.enter_context(TraceWriter(trace.partial))
+        return run_episode(
             library,
             episode,
             seed,
@@ -122,9 +127,6 @@ def run_shown(
             library_checksum=checksum,
             on_event=shown,
         )
-    if trace is not None and partial is not None:
-        partial.replace(trace)
-    return found
 
 
 def outcome_json(episode: Episode, result: EpisodeResult, outcome: Outcome) -> dict[str, Any]:
@@ -168,7 +170,8 @@ def report(
         Path, typer.Argument(metavar="TRACE|RESULTS", help="trace.jsonl of a run, or results.json of an evaluation.")
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="The HTML page to write.")],
+    force: options.ForceFlag = False,
 ) -> None:
     """Make a page from a trace or from results."""
-    work.write_report(source, output)
+    work.write_report(source, output, force=force)
     remark(f"{output}: written")

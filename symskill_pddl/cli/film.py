@@ -8,21 +8,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from symskill_pddl.cli.console import progress, remark
-from symskill_pddl.cli.options import require_folder
+from symskill_pddl.cli.options import output
 from symskill_pddl.errors import InputError
+from symskill_pddl.files import FILM
 
 if TYPE_CHECKING:
     from symskill_pddl.arena import Film, Filmable, OpenEpisode
 
 
-def check_video(path: Path | None, world: str) -> None:
+def check_video(path: Path | None, world: str, *, force: bool) -> None:
     """Find out before the work, not after it, that there could be no film."""
     if path is None:
         return
     arena = _filmable(world)
     if path.suffix != ".mp4":
         raise InputError(f"--video '{path}': a film is an MP4 file, give a name that ends in .mp4")
-    require_folder(path)
+    output(path, FILM, force=force)
     arena.check_film()
 
 

@@ -9,9 +9,11 @@ from typing import Annotated
 import typer
 
 from symskill_pddl.errors import InputError
+from symskill_pddl.files import DEMOS, Kind, Output, Replace
 from symskill_pddl.worlds import ARENAS
 
 LibraryArgument = Annotated[Path, typer.Argument(metavar="LIBRARY", help="Folder of a learned library.")]
+ForceFlag = Annotated[bool, typer.Option("--force", help="Replace what is there already.")]
 JsonFlag = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
 WorldOption = Annotated[str, typer.Option("--world", help=f"{', '.join(ARENAS)}, or MODULE:NAME for one of your own.")]
 TaskOption = Annotated[str, typer.Option("--task", help="A task of the world.")]
@@ -66,25 +68,11 @@ def read_text(path: Path, what: str) -> str:
         raise InputError(f"cannot read the {what} '{path}': {error.strerror or error}") from None
 
 
-def make_folder(path: Path) -> Path:
-    """The folder, made if it is not there."""
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"cannot make the folder '{path}': {error.strerror or error}") from None
-    return path
+def output(path: Path, kind: Kind, *, force: bool, inputs: Iterable[Path | None] = ()) -> Output:
+    """A file that a command is going to write; raises `InputError` before the work if it must not, or could not, be written.
 
-
-def write_text(path: Path, text: str) -> None:
-    """Write atomically."""
-    from symskill_pddl.files import write_atomic
-
-    write_atomic(path, text.encode("utf-8"))
-
-
-def require_folder(path: Path) -> None:
-    """Find out before the work, not after it, that its result could not be written."""
-    if path.is_dir():
-        raise InputError(f"cannot write '{path}': it is a folder, a file name is needed")
-    if not path.parent.is_dir():
-        raise InputError(f"cannot write '{path}': there is no folder '{path.parent}'")
+    `inputs` are the files that the command reads; it does not write over them even with `force`.
+    """
+    # what was demonstrated cannot be made again
+    unasked = Replace.NOTHING if kind is DEMOS else Replace.OURS
+    return Output(path, kind, Replace.ANYTHING if force else unasked, tuple(p for p in inputs if p is not None))

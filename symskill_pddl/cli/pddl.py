@@ -10,6 +10,7 @@ import typer
 from symskill_pddl.cli import options, work
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.errors import NoPlanError
+from symskill_pddl.files import PLAN, PROBLEM, sealed
 from symskill_pddl.worlds import DEFAULT, ready
 
 UNIFIED = "unified-planning:"
@@ -24,12 +25,19 @@ def export(
     name: NameOption = "learned",
     names: options.NamesOption = None,
     strict: Annotated[bool, typer.Option("--strict", help="All that held in every demonstration is a precondition.")] = False,
+    force: options.ForceFlag = False,
 ) -> None:
     """Write a library's domain as PDDL."""
     learned, renamed = work.open_library(library), work.renames(names)
+    made: list[work.File] = []
+    told = []
     for form, folder in work.forms(learned.domain(name, strict=strict), dialect, output):
-        domain, _ = work.export_domain(learned, folder, name, form, renamed, strict=strict)
-        remark(f"{folder / 'domain.pddl'}: {len(domain.predicates)} predicates, {len(domain.operators)} actions ({form})")
+        domain, files = work.exported_domain(learned, folder, name, form, renamed, strict=strict)
+        made += files
+        told.append(f"{folder / 'domain.pddl'}: {len(domain.predicates)} predicates, {len(domain.operators)} actions ({form})")
+    work.write_all(made, force=force, inputs=[names])
+    for line in told:
+        remark(line)
 
 
 def problem(
@@ -42,12 +50,14 @@ def problem(
     dialect: options.DialectOption = "strips",
     name: NameOption = "learned",
     names: options.NamesOption = None,
+    force: options.ForceFlag = False,
 ) -> None:
     """Write an episode of a task as a PDDL problem: objects and atoms of its first scene, and its goal."""
     from symskill_pddl.evaluation.trial import prepare
 
     ready(world, task)
     learned = work.open_library(library)
+    options.output(output, PROBLEM, force=force, inputs=[names])
     with progress(f"setting up {task}, seed {seed}"):
         episode = prepare(learned, task, seed, world=world, goal=goal, domain_name=name)
     header = [f"task {task}, seed {seed}"]
@@ -57,10 +67,10 @@ def problem(
         header.append(told)
         remark(told)
     renamed = work.renames(names)
+    made: list[work.File] = []
     for form, folder in work.forms(episode.domain, dialect, output.parent):
-        if folder != output.parent:
-            options.make_folder(folder)
-        work.export_problem(episode.problem, episode.domain, folder / output.name, form, renamed, header)
+        made += work.exported_problem(episode.problem, episode.domain, folder / output.name, form, renamed, header)
+    work.write_all(made, force=force, inputs=[names])
     remark(f"{output}: {len(episode.problem.objects)} objects, goal {' '.join(str(a) for a in sorted(episode.problem.goal))}")
 
 
@@ -89,6 +99,7 @@ def plan(
     timeout: Annotated[float, typer.Option(help="Time limit [s].")] = 10.0,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="The plan file; without it the plan is printed.")] = None,
     json: options.JsonFlag = False,
+    force: options.ForceFlag = False,
 ) -> None:
     """Solve a problem. Exit status 1, and an explanation, if there is no plan."""
     from symskill_pddl.pddl import write_plan
@@ -97,6 +108,7 @@ def plan(
     read = work.read_domain_file(domain)
     posed = work.read_problem_file(problem, read)
     engine = get(planner or "auto")
+    file = options.output(output, PLAN, force=force, inputs=[domain, problem]) if output is not None else None
     with progress(f"planning with {engine.name}"):
         result = engine.solve(read, posed, Limits(time_s=timeout))
     why = () if result.plan is not None else why_not(read, posed)
@@ -119,8 +131,8 @@ def plan(
             remark(line)
         raise NoPlanError(f"'{problem}' has no plan: {result.status.value} (planner {result.planner})")
     text = write_plan(result.plan)
-    if output is not None:
-        options.write_text(output, text)
+    if file is not None:
+        file.write(sealed(text, last=True))
     elif not json:
         say(text.rstrip("\n"))
     count = len(result.plan)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from symskill_pddl.abstraction import abstract_recording, groundings
 from symskill_pddl.describe import geometry_lines, support_lines
 from symskill_pddl.errors import InputError, alternatives
+from symskill_pddl.files import Output
 from symskill_pddl.geometry import Pose
 from symskill_pddl.library import Library
 from symskill_pddl.report import predicate_svg
@@ -17,7 +16,7 @@ POINTS = 600
 """No more samples than this are drawn, evenly thinned."""
 
 
-def draw_predicate(library: Library, name: str, path: Path) -> None:
+def draw_predicate(library: Library, name: str, output: Output) -> None:
     """Write the picture of a learned predicate as SVG.
 
     Raises
@@ -25,8 +24,7 @@ def draw_predicate(library: Library, name: str, path: Path) -> None:
     InputError
         If there is no such predicate, the library holds no demonstrations, or the file is to be something else than SVG.
     """
-    from symskill_pddl.cli.options import write_text
-
+    path = output.path
     if path.suffix.lower() != ".svg":
         raise InputError(f"'{path}': pictures of predicates are SVG, a name that ends in .svg is needed")
     classifier = next((c for c in library.classifiers if c.predicate.name == name), None)
@@ -43,7 +41,7 @@ def draw_predicate(library: Library, name: str, path: Path) -> None:
         lines.append(
             f"margin while it holds: {middle:.2f} in the middle, {low:.2f} at the lowest 5 % (1 at the mean, 0 on the full line)"
         )
-    write_text(path, predicate_svg(classifier, poses, holds, lines))
+    output.write(predicate_svg(classifier, poses, holds, lines).encode())
 
 
 def _samples(library: Library, name: str) -> tuple[Pose, np.ndarray[tuple[int], np.dtype[np.bool_]]]:

@@ -9,30 +9,32 @@ from pathlib import Path
 import numpy as np
 
 from symskill_pddl.cli.console import progress
+from symskill_pddl.cli.options import output
 from symskill_pddl.demos import Demo, decode_demos
-from symskill_pddl.files import write_atomic
+from symskill_pddl.files import PICTURE, make_folder
 from symskill_pddl.library import LearnedOperator, Library
 from symskill_pddl.report import skill_pictures
 from symskill_pddl.skills import Phase, Trajectory
 
 
-def draw_skills(library: Library, folder: Path) -> tuple[Path, ...]:
+def draw_skills(library: Library, folder: Path, *, force: bool = False) -> tuple[Path, ...]:
     """Write `SKILL-PHASE.png` for every phase of every skill into the folder, and say which files these are."""
-    from symskill_pddl.cli.options import make_folder
-
     demos = {d.where: d for source, content in sorted(library.recordings.items()) for d in decode_demos(content, source)}
     starts = [(e.demo, e.start_s) for learned in library.operators for e in learned.evidence]
     make_folder(folder)
-    written: list[Path] = []
+    written = {
+        (name, i): output(folder / f"{name}-{i}.png", PICTURE, force=force)
+        for name, skill in library.skills.items()
+        for i in range(1, len(skill.phases) + 1)
+    }
     with progress(f"drawing {len(library.skills)} skills", total=len(library.skills)) as advance:
         for name, skill in library.skills.items():
             users = [learned for learned in library.operators if learned.skill == name]
             shown = [_shown(phase, users, demos, starts) for phase in skill.phases]
             for i, picture in enumerate(skill_pictures(name, skill, shown), 1):
-                written.append(folder / f"{name}-{i}.png")
-                write_atomic(written[-1], picture)
+                written[name, i].write(picture)
             advance()
-    return tuple(written)
+    return tuple(file.path for file in written.values())
 
 
 def _shown(

@@ -11,7 +11,9 @@ import typer
 from symskill_pddl.cli import work
 from symskill_pddl.cli.console import progress, remark, say, table
 from symskill_pddl.cli.film import check_video, filmed
-from symskill_pddl.cli.options import SeedOption, VideoOption, make_folder, write_text
+from symskill_pddl.cli.options import ForceFlag, SeedOption, VideoOption
+from symskill_pddl.cli.options import output as checked_output
+from symskill_pddl.files import DOMAIN, NAMES, PAGE, PLAN, PROBLEM, TRACE, make_folder, sealed
 
 if TYPE_CHECKING:
     from symskill_pddl.evaluation.results import EpisodeResult
@@ -20,6 +22,16 @@ if TYPE_CHECKING:
 
 WORLD = "kitchen"
 """It comes with demonstrations."""
+FILES = {
+    "domain.pddl": DOMAIN,
+    "names.json": NAMES,
+    "problem.pddl": PROBLEM,
+    "problem.names.json": NAMES,
+    "plan.txt": PLAN,
+    "trace.jsonl": TRACE,
+    "report.html": PAGE,
+}
+"""What it makes beside the library."""
 DISTURBANCE = "close-door@op={}"
 """Somebody shuts the cabinet when the step before the middle of the plan starts."""
 
@@ -32,6 +44,7 @@ def quickstart(
         list[str] | None, typer.Option("--disturb", metavar="SPEC", help="What is to go wrong; may be repeated.")
     ] = None,
     video: VideoOption = None,
+    force: ForceFlag = False,
 ) -> None:
     """Learn, export, plan, run with one disturbance, and write a report."""
     from symskill_pddl.cli.execute import run_shown
@@ -47,23 +60,26 @@ def quickstart(
     check_task(arena, task)
     for spec in disturb or ():
         arena.check_disturbance(spec)
-    check_video(video, WORLD)
+    check_video(video, WORLD, force=force)
     files = work.shipped_demos()
     make_folder(output)
-    library, learning = work.learn_from(files, output / "library")
+    places = {name: checked_output(output / name, kind, force=force) for name, kind in FILES.items()}
+    library, learning = work.learn_from(files, output / "library", replace=force)
 
-    domain, _ = work.export_domain(library, output, WORLD, "strips", {})
+    domain, texts = work.exported_domain(library, output, WORLD, "strips", {})
+    work.write_all(texts, force=force)
     with progress(f"setting up {task}, seed {seed}"):
         episode = prepare(library, task, seed, world=WORLD, domain_name=WORLD)
     header = (f"task {task}, seed {seed}",)
-    work.export_problem(episode.problem, episode.domain, output / "problem.pddl", "strips", {}, header)
+    problem = output / "problem.pddl"
+    work.write_all(work.exported_problem(episode.problem, episode.domain, problem, "strips", {}, header), force=force)
 
     # the plan comes from the files, as any other planner's would
     engine = get("auto")
     exported = work.read_domain_file(output / "domain.pddl")
-    result = engine.solve(exported, work.read_problem_file(output / "problem.pddl", exported))
+    result = engine.solve(exported, work.read_problem_file(problem, exported))
     plan = result.unwrap()
-    write_text(output / "plan.txt", write_plan(plan))
+    places["plan.txt"].write(sealed(write_plan(plan), last=True))
 
     disturbances = disturb or [DISTURBANCE.format(max(0, len(plan) // 2 - 1))]
     # same task, same seed: the same episode, now with something going wrong
@@ -71,8 +87,9 @@ def quickstart(
     checksum = work.checksum(output / "library")
     trace, page = output / "trace.jsonl", output / "report.html"
     with filmed(episode.world, video, WORLD) as film:
-        found, outcome = run_shown(library, episode, seed, engine, monitor=True, trace=trace, checksum=checksum, film=film)
-    work.write_report(trace, page, library)
+        kept = places[trace.name]
+        found, outcome = run_shown(library, episode, seed, engine, monitor=True, trace=kept, checksum=checksum, film=film)
+    work.write_report(trace, page, library, force=force)
 
     table(*operator_table(library))
     say()

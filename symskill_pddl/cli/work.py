@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from symskill_pddl.cli.console import progress
-from symskill_pddl.cli.options import make_folder, read_text, write_text
+from symskill_pddl.cli.options import output, read_text
 from symskill_pddl.errors import InputError
+from symskill_pddl.files import DOMAIN, NAMES, PAGE, PROBLEM, Kind, make_folder, remove_empty, sealed
 
 JOBS = max(1, min(os.cpu_count() or 1, 8))
 """Processes that fit skills side by side; the result is the same with any number."""
 
 if TYPE_CHECKING:
+    from symskill_pddl.demos import Demo
     from symskill_pddl.execution.config import ExecutionConfig
     from symskill_pddl.learning import LearnReport
     from symskill_pddl.learning.vision import VisionSelector
@@ -32,22 +35,47 @@ def open_library(path: Path) -> Library:
     return Library.load(path)
 
 
-def learn_from(
-    files: Sequence[Path], output: Path, *, into: bool = False, selector: VisionSelector | None = None
-) -> tuple[Library, LearnReport]:
-    """Learn from files of demonstrations, and save the library when all went well.
+def check_replaced(folder: Path, files: Sequence[Path], *, force: bool) -> None:
+    """Find out before the work that a library must not be written here, or would take away what it is learned from."""
+    from symskill_pddl.library_io import SHAPE
 
-    `into`: there is a library at `output`; learn from its demonstrations too. `selector` chooses references.
+    SHAPE.check(folder)
+    if not SHAPE.holds(folder):
+        return
+    if not force:
+        raise InputError(f"'{folder}' holds a library already: --into adds to it, --force replaces it")
+    for file in files:
+        if file.resolve().is_relative_to(folder.resolve()):
+            raise InputError(f"'{file}' lies in the library '{folder}', which would be replaced: copy it to another place first")
+
+
+def learn_from(
+    files: Sequence[Path], folder: Path, *, into: bool = False, replace: bool = True, selector: VisionSelector | None = None
+) -> tuple[Library, LearnReport]:
+    """Learn from files of demonstrations, and save the library when all went well; nobody else writes it meanwhile.
+
+    `into`: there is a library in `folder`; learn from its demonstrations too. `replace`: another one that is there may be
+    replaced. `selector` chooses references.
     """
-    from symskill_pddl.demos import Demo, load_demos
-    from symskill_pddl.learning import added, learn_reported
+    from symskill_pddl.demos import load_demos
+    from symskill_pddl.library_io import writing
 
     if len({f.stem for f in files}) != len(files):
         raise InputError(f"two files have one name, demonstrations could not be told apart: {', '.join(map(str, files))}")
     demos: list[Demo] = []
     for file in files:
         demos += load_demos(file)
-    old = open_library(output) if into else None
+    if into:
+        open_library(folder)  # where there is none nothing is made
+    with writing(folder, replace=into or replace) as save:
+        library, report = _learned(demos, open_library(folder) if into else None, selector)
+        save(library)
+    return library, report
+
+
+def _learned(demos: list[Demo], old: Library | None, selector: VisionSelector | None) -> tuple[Library, LearnReport]:
+    from symskill_pddl.learning import added, learn_reported
+
     if old is not None:
         demos = list(added(old, demos))
     title = f"learning from {len(demos)} demonstrations in {len({d.source for d in demos})} files"
@@ -59,7 +87,6 @@ def learn_from(
         from symskill_pddl.execution.experience import with_experience
 
         library = with_experience(library, {o.operator.name: o.experience for o in old.operators}, old.runs)
-    library.save(output)
     return library, report
 
 
@@ -106,9 +133,12 @@ def read_runs(files: Sequence[Path]) -> Runs:
 def learn_costs(runs: Runs, folder: Path) -> tuple[Library, tuple[str, ...]]:
     """Add runs to a library and save it; also the names of steps that are no operators of it."""
     from symskill_pddl.execution.experience import with_experience
+    from symskill_pddl.library_io import writing
 
-    library = with_experience(open_library(folder), runs.experience, runs.checksums)
-    library.save(folder)
+    open_library(folder)  # where there is none nothing is made
+    with writing(folder) as save:
+        library = with_experience(open_library(folder), runs.experience, runs.checksums)
+        save(library)
     known = {o.operator.name for o in library.operators}
     return library, tuple(name for name in sorted(runs.experience) if name not in known)
 
@@ -141,10 +171,27 @@ def forms(domain: Domain, dialect: str, folder: Path) -> tuple[tuple[str, Path],
     return ((first, folder), *((other, folder / other) for other in others))
 
 
-def export_domain(
+File = tuple[Path, Kind, bytes]
+"""Where a file goes, what it is, and its content."""
+
+
+def write_all(files: Sequence[File], *, force: bool, inputs: Iterable[Path | None] = ()) -> None:
+    """Write files that belong together, and their folders: all of them, or none if one of them must not be replaced."""
+    made = [folder for path, _, _ in files for folder in make_folder(path.parent)]
+    try:
+        outputs = [(output(path, kind, force=force, inputs=inputs), content) for path, kind, content in files]
+    except InputError:
+        remove_empty(made)
+        raise
+    with ExitStack() as stack:
+        for file, content in outputs:
+            stack.enter_context(file.draft()).write_bytes(content)
+
+
+def exported_domain(
     library: Library, folder: Path, name: str, dialect: str, renamed: dict[str, str], *, strict: bool = False
-) -> tuple[Domain, Names]:
-    """Write domain.pddl and names.json; what was written."""
+) -> tuple[Domain, tuple[File, File]]:
+    """The domain as it stands in the text, and what domain.pddl and names.json hold."""
     from symskill_pddl.describe import domain_comments
     from symskill_pddl.pddl import Names, write_domain
 
@@ -160,22 +207,19 @@ def export_domain(
             "This file may be edited by hand; `symskill check` says what an edit means.",
         ),
     )
-    make_folder(folder)
-    write_text(folder / "domain.pddl", text)
-    write_text(folder / "names.json", names.dumps())
-    return names.domain(domain), names
+    beside = (folder / "names.json", NAMES, names.dumps().encode())
+    return names.domain(domain), ((folder / "domain.pddl", DOMAIN, sealed(text)), beside)
 
 
-def export_problem(
-    problem: Problem, domain: Domain, output: Path, dialect: str, renamed: dict[str, str], header: Sequence[str]
-) -> None:
-    """Write a problem of a library's domain, and its names beside it."""
+def exported_problem(
+    problem: Problem, domain: Domain, path: Path, dialect: str, renamed: dict[str, str], header: Sequence[str]
+) -> tuple[File, File]:
+    """What the file of a problem of a library's domain holds, and that of its names beside it."""
     from symskill_pddl.pddl import Names, write_problem
 
     names = Names.of(domain, problem.object_types, renames=renamed)
     text = write_problem(names.problem(problem), names.domain(domain), dialect=dialect, header=header)
-    write_text(output, text)
-    write_text(output.with_suffix(".names.json"), names.dumps())
+    return (path, PROBLEM, sealed(text)), (path.with_suffix(".names.json"), NAMES, names.dumps().encode())
 
 
 def read_domain_file(path: Path) -> Domain:
@@ -277,9 +321,9 @@ def checksum(folder: Path, domain: Path | None = None) -> str:
     return found.hexdigest()
 
 
-def write_report(source: Path, output: Path, library: Library | None = None) -> None:
+def write_report(source: Path, path: Path, library: Library | None = None, *, force: bool = False) -> None:
     """A page from a trace or from a results file, whichever `source` is."""
-    from symskill_pddl.report import results_page, run_page, write_page
+    from symskill_pddl.report import results_page, run_page
 
     if is_results(source):
         from symskill_pddl.evaluation.ablations import switched_off
@@ -318,7 +362,7 @@ def write_report(source: Path, output: Path, library: Library | None = None) -> 
         from symskill_pddl.execution.trace import read_trace
 
         page = run_page(read_trace(source), library)
-    write_page(output, page)
+    output(path, PAGE, force=force, inputs=[source]).write(page.encode())
 
 
 def is_results(path: Path) -> bool:

@@ -35,7 +35,7 @@ import numpy as np
 from symskill_pddl.demos.demo import Demo
 from symskill_pddl.demos.truth import Truth, write_truth
 from symskill_pddl.errors import FormatError, InputError, alternatives
-from symskill_pddl.files import write_atomic
+from symskill_pddl.files import DEMOS, Output
 from symskill_pddl.geometry import Array, Pose
 
 if TYPE_CHECKING:
@@ -55,16 +55,17 @@ def natural_key(name: str) -> tuple[tuple[int, int, str], ...]:
 
 
 def save_demos(path: str | Path, demos: Iterable[Demo], truths: Mapping[str, Truth] | None = None) -> None:
-    """Write demonstrations atomically; on any failure the file at `path` is as it was.
+    """Write demonstrations atomically, in place of older ones of this format; on any failure the file at `path` is as it was.
 
     `truths`: what really happened in those of these names, which goes beside them.
 
     Raises
     ------
     InputError
-        If there is none, two share a name, an attribute's name is taken by the format, or the file cannot be written.
+        If there is none, two share a name, an attribute's name is taken by the format, or the file cannot be written or holds
+        something else than demonstrations.
     """
-    write_atomic(path, encode_demos(demos, str(path), truths))
+    Output(Path(path), DEMOS).write(encode_demos(demos, str(path), truths))
 
 
 def encode_demos(demos: Iterable[Demo], where: str = "memory", truths: Mapping[str, Truth] | None = None) -> bytes:

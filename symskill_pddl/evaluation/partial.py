@@ -6,7 +6,6 @@ the next one; a kill loses at most the line being written, and that episode is r
 
 from __future__ import annotations
 
-import fcntl
 import os
 from pathlib import Path
 from types import TracebackType
@@ -15,9 +14,12 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from symskill_pddl.errors import FormatError, InputError
 from symskill_pddl.evaluation.results import EpisodeResult, Settings
+from symskill_pddl.files import open_locked
 
 Key = tuple[str, int]
 """Task and seed of an episode."""
+_BEGINS = b'{"settings":'
+"""Of the first line, by which a file of somebody else is known before it is cut."""
 
 
 class _Line(BaseModel):
@@ -43,6 +45,12 @@ def partial_path(output: Path) -> Path:
     return output.with_name(f"{output.name}.partial.jsonl")
 
 
+def differences(before: Settings, tasks_before: tuple[str, ...], now: Settings, tasks: tuple[str, ...]) -> list[str]:
+    """What tells one evaluation from another, in words: 'seed 0, now 7'."""
+    old, new = {**dict(before), "tasks": tasks_before}, {**dict(now), "tasks": tasks}
+    return [f"{name} {_text(old[name])}, now {_text(new[name])}" for name in new if old[name] != new[name]]
+
+
 class Partial:
     """The file, opened, locked and read; `done` holds its episodes. A context manager.
 
@@ -57,12 +65,8 @@ class Partial:
     def __init__(self, path: Path, settings: Settings, tasks: tuple[str, ...]) -> None:
         self.path = path
         self.done: dict[Key, EpisodeResult] = {}
+        self._file = open_locked(path, f"another evaluation is writing '{path}'")
         try:
-            self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
-        except OSError as error:
-            raise InputError(f"cannot write '{path}': {error.strerror or error}") from None
-        try:
-            self._lock()
             self._read(Started(settings=settings, tasks=tasks))
         except BaseException:
             os.close(self._file)
@@ -83,23 +87,13 @@ class Partial:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         os.close(self._file)
 
-    def _lock(self) -> None:
-        # the lock goes with the process that holds it, however that ends
-        try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            raise InputError(f"another evaluation is writing '{self.path}'; wait for it, or choose another -o") from None
-
     def _read(self, wanted: Started) -> None:
         content = self.path.read_bytes()
         whole = content[: content.rfind(b"\n") + 1]
         if whole.count(b"\n") < 2:  # no episode was finished: nothing to go on with
+            if content[: len(_BEGINS)] != _BEGINS[: len(content)]:
+                raise FormatError(f"'{self.path}' holds something else than an evaluation in progress; choose another -o")
             whole = b""
-        if len(whole) < len(content):
-            os.ftruncate(self._file, len(whole))
-        if not whole:
-            self._append(wanted)
-            return
         for number, line in enumerate(whole.splitlines(), start=1):
             try:
                 if number == 1:
@@ -114,10 +108,14 @@ class Partial:
                     f"{self.path}:{number}: not a line of an evaluation in progress: {where}: {first['msg']}; "
                     "remove the file to begin anew"
                 ) from None
+        # cut only once it is known to be ours
+        if len(whole) < len(content):
+            os.ftruncate(self._file, len(whole))
+        if not whole:
+            self._append(wanted)
 
     def _compare(self, found: Started, wanted: Started) -> None:
-        before, now = ({**dict(line.settings), "tasks": line.tasks} for line in (found, wanted))
-        if different := [f"{name} {_text(before[name])}, now {_text(now[name])}" for name in now if before[name] != now[name]]:
+        if different := differences(found.settings, found.tasks, wanted.settings, wanted.tasks):
             raise InputError(
                 f"'{self.path}' holds episodes of another evaluation ({'; '.join(different)}); "
                 "go on with its settings, remove it, or choose another -o"

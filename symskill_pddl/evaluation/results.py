@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, SerializerFunctionWrapHandler, Valid
 
 from symskill_pddl.errors import FormatError, InputError
 from symskill_pddl.evaluation.statistics import median, wilson
-from symskill_pddl.files import write_atomic
+from symskill_pddl.files import RESULTS, Output
 from symskill_pddl.worlds import DEFAULT
 
 CONFIDENCE = 0.95
@@ -135,8 +135,8 @@ def count(names: Iterable[str]) -> dict[str, int]:
 
 
 def save_results(path: str | Path, results: Results) -> None:
-    """Write atomically."""
-    write_atomic(path, results.dumps().encode("utf-8"))
+    """Write atomically, in place of older results; raises `InputError` if something else is there."""
+    Output(Path(path), RESULTS).write(results.dumps().encode("utf-8"))
 
 
 def load_results(path: str | Path) -> Results:

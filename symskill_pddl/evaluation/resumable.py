@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from symskill_pddl.evaluation.partial import Partial, partial_path
-from symskill_pddl.evaluation.results import EpisodeResult, Results, load_results, save_results
+from symskill_pddl.errors import InputError
+from symskill_pddl.evaluation.partial import Partial, differences, partial_path
+from symskill_pddl.evaluation.results import EpisodeResult, Results, load_results
 from symskill_pddl.evaluation.spread import Pool
 from symskill_pddl.evaluation.suite import Suite, run_suite
+from symskill_pddl.files import Output, Replace
 from symskill_pddl.library import Library
 
 
@@ -16,7 +18,7 @@ def evaluate(
     load: Callable[[Path], Library],
     path: Path,
     suite: Suite,
-    output: Path,
+    output: Output,
     *,
     checksum: str,
     pool: Pool,
@@ -31,7 +33,7 @@ def evaluate(
     ----------
     load, path, checksum
         How and from where each process gets the library, and what tells it from others.
-    output : Path
+    output : Output
         The results file; the episodes so far lie beside it until it is written.
     pool : Pool
         Where episodes are run.
@@ -47,14 +49,22 @@ def evaluate(
     Raises
     ------
     InputError
-        Other settings than those of the episodes so far, or another evaluation is writing them.
+        Other settings than those of the episodes so far, or of the results that are there and must not be replaced; or another
+        evaluation is writing them.
     """
     settings = suite.settings(checksum)
-    if keep and output.exists():
-        found = load_results(output)
-        if found.settings == settings and tuple(t.task for t in found.tasks) == suite.tasks:
+    there = output.path.exists() and output.path.stat().st_size > 0
+    if there and not (output.replace is Replace.ANYTHING and not output.kind.wrote(output.path)):
+        found = load_results(output.path)
+        different = differences(found.settings, tuple(t.task for t in found.tasks), settings, suite.tasks)
+        if keep and not different:
             return found
-    with Partial(partial_path(output), settings, suite.tasks) as partial:
+        if different and output.replace is not Replace.ANYTHING:
+            raise InputError(
+                f"'{output.path}' holds the results of another evaluation ({'; '.join(different)}): "
+                "choose another -o, or replace them with --force"
+            )
+    with Partial(partial_path(output.path), settings, suite.tasks) as partial:
         if on_start is not None:
             on_start(len(partial.done))
 
@@ -66,6 +76,6 @@ def evaluate(
         results = run_suite(
             load, path, suite, checksum=checksum, pool=pool, failed=failed, done=dict(partial.done), on_episode=done
         )
-        save_results(output, results)
+        output.write(results.dumps().encode())
         partial.remove()
     return results

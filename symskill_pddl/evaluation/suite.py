@@ -15,6 +15,7 @@ from symskill_pddl.evaluation.spread import Key, Pool, Processes, Work
 from symskill_pddl.evaluation.trial import prepare, run_episode
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.trace import TraceWriter
+from symskill_pddl.files import TRACE, draft
 from symskill_pddl.library import Library
 from symskill_pddl.planning import get
 from symskill_pddl.worlds import DEFAULT, arena_named, check_task
@@ -153,19 +154,28 @@ def _begin(load: Callable[[Path], Library], path: Path, suite: Suite, failed: Pa
 
 def run_one(library: Library, suite: Suite, task: str, seed: int, *, failed: Path | None = None) -> EpisodeResult:
     """One episode of a suite; what cannot be set up counts as failed, with its reason. `failed` is for its trace if it fails."""
-    try:
-        episode = prepare(library, task, seed, world=suite.world, disturbances=suite.disturbances)
-        with ExitStack() as stack:
-            trace = stack.enter_context(TraceWriter(failed / f"{task}-{seed}.jsonl")) if failed is not None else None
+    with ExitStack() as stack:
+        kept, trace = None if failed is None else failed / f"{task}-{seed}.jsonl", None
+        if kept is not None:
+            written = stack.enter_context(draft(kept))
+            trace = stack.enter_context(TraceWriter(written))
+        try:
+            episode = prepare(library, task, seed, world=suite.world, disturbances=suite.disturbances)
             result, _ = run_episode(
                 library, episode, seed, get(suite.planner), monitor=suite.monitor, config=suite.config, trace=trace
             )
-        if failed is not None and result.success:
-            (failed / f"{task}-{seed}.jsonl").unlink()
-    except MissingDependencyError:
-        raise  # no episode would run
-    except SymSkillError as error:
-        return EpisodeResult(
-            seed=seed, success=False, category=ERROR, cause=ERROR, reason=str(error), replans=0, recoveries=0, steps=0, time_s=0.0
-        )
+        except MissingDependencyError:
+            raise  # no episode would run
+        except SymSkillError as error:
+            result = _not_run(seed, error)
+        if kept is not None and (result.success or not written.stat().st_size):
+            written.unlink()
+            if TRACE.wrote(kept):  # of the same episode, when it failed before
+                kept.unlink()
     return result
+
+
+def _not_run(seed: int, error: SymSkillError) -> EpisodeResult:
+    return EpisodeResult(
+        seed=seed, success=False, category=ERROR, cause=ERROR, reason=str(error), replans=0, recoveries=0, steps=0, time_s=0.0
+    )

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symskill_pddl.errors import InputError, MissingDependencyError
+from symskill_pddl.files import draft
 from symskill_pddl.geometry import Array
 from symskill_pddl.kitchen.render import Camera, check_drawing
 from symskill_pddl.kitchen.world import Kitchen
@@ -66,19 +67,19 @@ class Film:
         InputError
             The file cannot be written.
         """
-        partial = path.with_name(f"{path.stem}.partial{path.suffix}")
-        try:
-            rate = round(1.0 / self._kitchen.period_s)
-            with closing(self._encoder.write_frames(str(partial), self._size, fps=rate, codec="libx264", quality=6)) as writer:
-                writer.send(None)
-                for i in range(len(self)):
-                    writer.send(self.frame(i).tobytes())
-                    advance(1)
-            partial.replace(path)
-        except OSError as error:
-            raise InputError(f"cannot write the film '{path}': {str(error).splitlines()[0]}") from error
-        finally:
-            partial.unlink(missing_ok=True)
+        rate, marked = round(1.0 / self._kitchen.period_s), ["-f", "mp4", "-metadata", "comment=symskill"]
+        with draft(path) as temporary:
+            frames = self._encoder.write_frames(
+                str(temporary), self._size, fps=rate, codec="libx264", quality=6, output_params=marked
+            )
+            try:
+                with closing(frames) as writer:
+                    writer.send(None)
+                    for i in range(len(self)):
+                        writer.send(self.frame(i).tobytes())
+                        advance(1)
+            except OSError as error:
+                raise InputError(f"cannot write the film '{path}': {str(error).splitlines()[0]}") from error
 
     def __enter__(self) -> Film:
         return self

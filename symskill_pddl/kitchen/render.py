@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import io
 import os
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symskill_pddl.errors import InputError, MissingDependencyError, alternatives
+from symskill_pddl.files import write_atomic
 from symskill_pddl.geometry import Array
 from symskill_pddl.kitchen.backend import load_mujoco
 from symskill_pddl.kitchen.world import Kitchen
@@ -96,12 +98,14 @@ class Camera:
 
 
 def picture(kitchen: Kitchen, path: str | Path, camera: str = "overview") -> Path:
-    """Write what a camera sees now as PNG and return the path. Errors as for `Camera`."""
+    """Write what a camera sees now as PNG and return the path. Errors as for `Camera` and `write_atomic`."""
     from PIL import Image
 
     view = Camera(kitchen, camera)
     try:
-        Image.fromarray(view.image()).save(path)
+        content = io.BytesIO()
+        Image.fromarray(view.image()).save(content, format="png")
+        write_atomic(path, content.getvalue())
     finally:
         view.close()
     return Path(path)

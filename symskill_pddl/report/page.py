@@ -10,7 +10,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from symskill_pddl.execution.trace import Trace
-from symskill_pddl.files import write_atomic
+from symskill_pddl.files import PAGE, Output
 from symskill_pddl.library import Library
 from symskill_pddl.report.knowledge import view_library
 from symskill_pddl.report.results import ResultRow, total
@@ -51,8 +51,8 @@ def results_page(rows: Sequence[ResultRow], title: str = "Evaluation", facts: Se
 
 
 def write_page(path: str | Path, html: str) -> None:
-    """Write a page atomically."""
-    write_atomic(path, html.encode("utf-8"))
+    """Write a page atomically, in place of an older one; raises `InputError` if something else is there."""
+    Output(Path(path), PAGE).write(html.encode("utf-8"))
 
 
 def _render(template: str, **values: Any) -> str:

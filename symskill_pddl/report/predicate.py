@@ -49,7 +49,7 @@ def predicate_svg(classifier: Classifier, poses: Pose, holds: NDArray[np.bool_],
     height = TOP + 2 * (SIDE + GAP) + 16 * len(lines) + 12
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
-        'font-family="sans-serif" font-size="11">',
+        'font-family="sans-serif" font-size="11"><!-- symskill -->',
         f'<rect width="{width}" height="{height}" fill="white"/>',
         f'<text x="12" y="22" font-size="15" font-weight="bold">{escape(classifier.predicate.name)}</text>',
         f'<text x="12" y="40">{escape(child)} in the frame of {escape(classifier.parent)}; true within the full line, '

@@ -57,7 +57,7 @@ def skill_pictures(name: str, skill: Skill, shown: Sequence[Sequence[Trajectory]
         FigureCanvasAgg(figure)
         _draw(figure, f"{name}, phase {i + 1} of {len(skill.phases)}", phase, demos, way)
         buffer = io.BytesIO()
-        figure.savefig(buffer, format="png", dpi=100, metadata={"Software": None})
+        figure.savefig(buffer, format="png", dpi=100, metadata={"Software": "symskill"})
         pictures.append(buffer.getvalue())
     return tuple(pictures)
 

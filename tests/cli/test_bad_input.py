@@ -60,7 +60,7 @@ def test_a_recording_of_two_arms(symskill: Callable[..., Any], tmp_path: Path, o
     shutil.copy(ROBOSUITE / "panda_lift.hdf5", recording)
     with h5py.File(recording, "r+") as file:
         file["data"].attrs["env_info"] = json.dumps({"robots": ["Panda", "Panda"]})
-    done = symskill("import", recording, "-o", old)
+    done = symskill("import", recording, "-o", old, "--force")
     assert done.status == 2
     assert "one arm" in done.error
     assert "handover.hdf5" in done.error
@@ -72,7 +72,7 @@ def test_a_recording_of_two_arms(symskill: Callable[..., Any], tmp_path: Path, o
     [("cubeA", "expected OBJECT=TYPE"), ("moon=rock", "unknown object 'moon'"), ("=rock", "expected OBJECT=TYPE")],
 )
 def test_a_wrong_type_option(symskill: Callable[..., Any], old: Path, given: str, message: str) -> None:
-    done = symskill("import", ROBOSUITE / "panda_lift.hdf5", "--type", given, "-o", old)
+    done = symskill("import", ROBOSUITE / "panda_lift.hdf5", "--type", given, "-o", old, "--force")
     assert done.status == 2
     assert message in done.error
     assert old.read_bytes() == b"precious"

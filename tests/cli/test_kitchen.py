@@ -103,7 +103,10 @@ def test_a_domain_edited_by_hand_runs(symskill: Callable[..., Any], kitchen: Pat
     )
     edited = json.loads(symskill(*call).out)
     assert edited["tasks"][0]["successes"] == 1
-    plain = json.loads(symskill(*(a for a in call if a not in ("--domain", domain))).out)
+    without = [a for a in call if a not in ("--domain", domain)]
+    other = symskill(*without)
+    assert (other.status, "holds the results of another evaluation (library " in other.error) == (2, True)
+    plain = json.loads(symskill(*without, "--force").out)
     assert edited["settings"]["library"] != plain["settings"]["library"]
 
 

@@ -43,7 +43,7 @@ def test_an_unsolvable_goal_exits_with_1_and_says_why(symskill: Callable[..., An
     problem.write_text(problem.read_text().replace("(in ball blue)))", "(in ball blue) (lost car)))"))
     old = tmp_path / "plan.txt"
     old.write_text("precious\n")
-    done = symskill("plan", domain, problem, "-o", old)
+    done = symskill("plan", domain, problem, "-o", old, "--force")
     assert done.status == 1
     assert "unsolvable" in done.error
     assert "no operator adds 'lost'" in done.err

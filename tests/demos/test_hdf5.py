@@ -139,7 +139,7 @@ def test_a_failed_save_leaves_the_old_file(saved, demo, monkeypatch):
 
 
 def test_saving_into_a_missing_folder_says_so(tmp_path, demo):
-    with pytest.raises(InputError, match=r"cannot write '.*missing.*': No such file or directory"):
+    with pytest.raises(InputError, match=r"cannot write '.*missing.*': there is no folder"):
         save_demos(tmp_path / "missing" / "a.hdf5", [demo()])
     with pytest.raises(InputError, match="is a folder"):
         save_demos(tmp_path, [demo()])

@@ -70,7 +70,7 @@ def test_a_moment_is_seen_again_as_it_was(film, kitchen):
 
 
 def test_a_film_that_cannot_be_written(film, tmp_path):
-    with pytest.raises(InputError, match="cannot write the film"):
+    with pytest.raises(InputError, match="there is no folder"):
         film.save(tmp_path / "nowhere" / "a.mp4")
 
 

@@ -1,3 +1,4 @@
+; symskill c98a959cbbb8: checksum of the other lines, by which an edited file is not overwritten unasked
 ; Learned from demonstrations by symskill. What a predicate means geometrically stands above it.
 ; This file may be edited by hand; `symskill check` says what an edit means.
 ; costs are in 1/100 of the unit that they were learned in

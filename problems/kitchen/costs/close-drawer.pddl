@@ -1,3 +1,4 @@
+; symskill bf2c84498e2b: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task CloseDrawer, seed 0
 (define (problem closedrawer-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill c9139cc68383: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PnPCounterToStove, seed 0
 (define (problem pnpcountertostove-0)
   (:domain kitchen)

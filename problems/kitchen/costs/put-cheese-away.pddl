@@ -1,3 +1,4 @@
+; symskill 5228a9403ccb: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PutCheeseAway, seed 0
 (define (problem putcheeseaway-0)
   (:domain kitchen)

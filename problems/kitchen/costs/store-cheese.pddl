@@ -1,3 +1,4 @@
+; symskill 0c5254a0510a: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task StoreCheese, seed 0
 (define (problem storecheese-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill 880c57d8cc85: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PnPStoveToCounter, seed 0
 (define (problem pnpstovetocounter-0)
   (:domain kitchen)

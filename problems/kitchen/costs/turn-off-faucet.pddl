@@ -1,3 +1,4 @@
+; symskill 9f9c656208b1: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task TurnOffSinkFaucet, seed 0
 (define (problem turnoffsinkfaucet-0)
   (:domain kitchen)

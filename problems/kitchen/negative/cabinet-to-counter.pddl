@@ -1,3 +1,4 @@
+; symskill 88e0e7c6ba22: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PnPCabToCounter, seed 0
 (define (problem pnpcabtocounter-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill 15892b055003: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task CloseSingleDoor, seed 0
 (define (problem closesingledoor-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill bc1d69291445: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task CloseDrawer, seed 0
 (define (problem closedrawer-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill 53fa87d1d129: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task OpenSingleDoor, seed 0
 (define (problem opensingledoor-0)
   (:domain kitchen)

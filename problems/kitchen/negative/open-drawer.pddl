@@ -1,3 +1,4 @@
+; symskill bd38b5cad5c8: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task OpenDrawer, seed 0
 (define (problem opendrawer-0)
   (:domain kitchen)

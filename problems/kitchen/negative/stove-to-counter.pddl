@@ -1,3 +1,4 @@
+; symskill 78f9e5f19201: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PnPStoveToCounter, seed 0
 (define (problem pnpstovetocounter-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill a0d67957eb8b: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task TurnOffSinkFaucet, seed 0
 (define (problem turnoffsinkfaucet-0)
   (:domain kitchen)

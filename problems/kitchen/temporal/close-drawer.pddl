@@ -1,3 +1,4 @@
+; symskill 27af6a316fdd: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task CloseDrawer, seed 0
 (define (problem closedrawer-0)
   (:domain kitchen)

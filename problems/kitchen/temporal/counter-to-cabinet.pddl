@@ -1,3 +1,4 @@
+; symskill b510dc4ce0cf: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PnPCounterToCab, seed 0
 (define (problem pnpcountertocab-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill d43947ce3cba: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PnPCounterToStove, seed 0
 (define (problem pnpcountertostove-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill 76714282a9f6: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task MakeBreakfast, seed 0
 (define (problem makebreakfast-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill 21a97f40792a: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PutCheeseAway, seed 0
 (define (problem putcheeseaway-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill 2529cf099e5f: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PnPStoveToCounter, seed 0
 (define (problem pnpstovetocounter-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill 93f314f6d605: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task TurnOffSinkFaucet, seed 0
 (define (problem turnoffsinkfaucet-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill d644d4f8b71a: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task TurnOffStove, seed 0
 (define (problem turnoffstove-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill 2b37fa0be84e: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task TurnOnSinkFaucet, seed 0
 (define (problem turnonsinkfaucet-0)
   (:domain kitchen)

@@ -1,3 +1,4 @@
+; symskill 7e0d598d987d: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayCookAndCover, seed 2
 (define (problem playcookandcover-2)
   (:domain play)

@@ -1,3 +1,4 @@
+; symskill afea6ead47bf: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayServe, seed 0
 (define (problem playserve-0)
   (:domain play)

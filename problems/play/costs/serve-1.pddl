@@ -1,3 +1,4 @@
+; symskill a137964961d6: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayServe, seed 1
 (define (problem playserve-1)
   (:domain play)

@@ -1,3 +1,4 @@
+; symskill eae1823789ba: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayServe, seed 2
 (define (problem playserve-2)
   (:domain play)

@@ -1,3 +1,4 @@
+; symskill d384dae7be6f: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayServe, seed 3
 (define (problem playserve-3)
   (:domain play)

@@ -1,3 +1,4 @@
+; symskill 29eabb08e8b3: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlaySwap, seed 0
 (define (problem playswap-0)
   (:domain play)

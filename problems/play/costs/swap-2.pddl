@@ -1,3 +1,4 @@
+; symskill 8a42b75c2b9c: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlaySwap, seed 2
 (define (problem playswap-2)
   (:domain play)

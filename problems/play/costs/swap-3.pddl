@@ -1,3 +1,4 @@
+; symskill 22c3a6c95fc8: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlaySwap, seed 3
 (define (problem playswap-3)
   (:domain play)

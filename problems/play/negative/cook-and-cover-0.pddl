@@ -1,3 +1,4 @@
+; symskill 3e29d83a1b33: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayCookAndCover, seed 0
 (define (problem playcookandcover-0)
   (:domain play)

@@ -1,3 +1,4 @@
+; symskill 1283ca48c97f: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayCookAndCover, seed 1
 (define (problem playcookandcover-1)
   (:domain play)

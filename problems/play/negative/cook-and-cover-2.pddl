@@ -1,3 +1,4 @@
+; symskill d00115436e33: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayCookAndCover, seed 2
 (define (problem playcookandcover-2)
   (:domain play)

@@ -1,3 +1,4 @@
+; symskill 599b87bd440d: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayServe, seed 1
 (define (problem playserve-1)
   (:domain play)

@@ -1,3 +1,4 @@
+; symskill f565e4e4f99b: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayServe, seed 2
 (define (problem playserve-2)
   (:domain play)

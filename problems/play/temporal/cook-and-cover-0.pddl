@@ -1,3 +1,4 @@
+; symskill 7debc4080844: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayCookAndCover, seed 0
 (define (problem playcookandcover-0)
   (:domain play)

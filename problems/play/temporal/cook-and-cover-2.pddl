@@ -1,3 +1,4 @@
+; symskill 649c8181d6de: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayCookAndCover, seed 2
 (define (problem playcookandcover-2)
   (:domain play)

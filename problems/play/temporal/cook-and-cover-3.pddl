@@ -1,3 +1,4 @@
+; symskill d881555bfd4e: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayCookAndCover, seed 3
 (define (problem playcookandcover-3)
   (:domain play)

@@ -1,3 +1,4 @@
+; symskill ae767dd9d0b5: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayServe, seed 1
 (define (problem playserve-1)
   (:domain play)

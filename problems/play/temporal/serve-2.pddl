@@ -1,3 +1,4 @@
+; symskill 80f77a6b805a: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayServe, seed 2
 (define (problem playserve-2)
   (:domain play)

@@ -1,3 +1,4 @@
+; symskill 6165ea402df5: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlayServe, seed 3
 (define (problem playserve-3)
   (:domain play)

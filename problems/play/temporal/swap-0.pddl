@@ -1,3 +1,4 @@
+; symskill f4dc258ac1bc: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlaySwap, seed 0
 (define (problem playswap-0)
   (:domain play)

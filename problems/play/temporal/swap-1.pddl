@@ -1,3 +1,4 @@
+; symskill 42642e880082: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlaySwap, seed 1
 (define (problem playswap-1)
   (:domain play)

@@ -1,3 +1,4 @@
+; symskill d7242e2c8a50: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task PlaySwap, seed 3
 (define (problem playswap-3)
   (:domain play)

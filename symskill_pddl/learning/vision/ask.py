@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from symskill_pddl.errors import LearningError
-from symskill_pddl.files import write_atomic
+from symskill_pddl.files import make_folder, write_atomic
 from symskill_pddl.learning.vision.endpoints import Endpoint, Question
 
 
@@ -146,7 +146,7 @@ class Asker:
     def _keep(self, body: bytes, reply: Any) -> None:
         file = self._file(body)
         if file is not None:
-            file.parent.mkdir(parents=True, exist_ok=True)
+            make_folder(file.parent)
             text = json.dumps({"model": self.endpoint.model, "address": self.endpoint.address(), "reply": reply}, indent=1)
             write_atomic(file, self._clean_json(text).encode())
 
