@@ -162,7 +162,7 @@ def test_what_does_not_fit_is_refused_in_words(saved, change, message):
 
 def test_a_folder_that_cannot_be_made(library, tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="cannot write the library .*it is no folder"):
+    with pytest.raises(InputError, match=r"cannot write the library .*it is no folder"):
         library.save(tmp_path / "file")
 
 

@@ -1,8 +1,8 @@
 """Files that a command writes: what may be at their place before, and how a file of ours is known again.
 
 A file that is there is replaced only if it is of the kind that is written now and as this program left it, or if `--force` says
-so. PDDL and plans are there to be edited, so one line of them is a checksum of the others: what was edited is somebody's work and no
-longer ours. Demonstrations are never replaced unasked.
+so. PDDL and plans are there to be edited, so one line of them is a checksum of the others: what was edited is somebody's work
+and no longer ours. Demonstrations are never replaced unasked.
 """
 
 from __future__ import annotations
