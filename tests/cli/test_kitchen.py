@@ -122,7 +122,7 @@ def test_a_wrong_goal(symskill: Callable[..., Any], kitchen: Path, tmp_path: Pat
     old = tmp_path / "old"
     old.write_text("precious")
     for command, option in (("problem", "-o"), ("run", "--trace")):
-        done = symskill(command, kitchen, "--task", "StoreCheese", "--goal", goal, option, old)
+        done = symskill(command, kitchen, "--task", "StoreCheese", "--goal", goal, option, old, "--force")
         assert done.status == 2
         assert message in done.error
         assert done.error.startswith("--goal:1:")
