@@ -8,8 +8,8 @@ import sys
 import typer
 
 from symskill_pddl.cli import demos, evaluate, execute, pddl, quickstart, replay
-from symskill_pddl.cli.console import complain, say
-from symskill_pddl.errors import SymSkillError
+from symskill_pddl.cli.console import say
+from symskill_pddl.cli.net import caught
 
 app = typer.Typer(
     name="symskill",
@@ -53,16 +53,12 @@ def options(
 def main() -> None:
     """Entry of the `symskill` program.
 
-    Exit status: 0 done; 1 no plan, goal missed, or check failed; 2 bad input, with one line that says what and where. Anything
-    else is a bug, and shows where it is.
+    Exit status: 0 done; 1 no plan, goal missed, or check failed; 2 bad input, with one line that says what and where; 3 an error
+    of ours, with one line that says where its traceback is (`net`).
     """
     # small matrices: one thread is faster than many, and numpy reads this once, when it is loaded
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
     # nothing here draws with the simulator, so it need not look for a graphics library
     os.environ.setdefault("MUJOCO_GL", "disabled")
-    try:
-        app(prog_name="symskill")
-    except SymSkillError as error:
-        complain(str(error))
-        sys.exit(error.exit_status)
+    sys.exit(caught(lambda: app(prog_name="symskill", standalone_mode=False)))

@@ -54,20 +54,6 @@ def pairs(texts: Iterable[str], option: str, form: str) -> dict[str, str]:
     return found
 
 
-def read_text(path: Path, what: str) -> str:
-    """The text of a file a user named."""
-    try:
-        return path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputError(f"there is no {what} '{path}'") from None
-    except IsADirectoryError:
-        raise InputError(f"'{path}' is a folder, a {what} is needed") from None
-    except UnicodeDecodeError:
-        raise InputError(f"'{path}' is not UTF-8 text, a {what} is needed") from None
-    except OSError as error:
-        raise InputError(f"cannot read the {what} '{path}': {error.strerror or error}") from None
-
-
 def output(path: Path, kind: Kind, *, force: bool, inputs: Iterable[Path | None] = ()) -> Output:
     """A file that a command is going to write; raises `InputError` before the work if it must not, or could not, be written.
 

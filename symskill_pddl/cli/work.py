@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from symskill_pddl.cli.console import progress
-from symskill_pddl.cli.options import output, read_text
-from symskill_pddl.errors import InputError
+from symskill_pddl.cli.options import output
+from symskill_pddl.errors import FormatError, InputError
 from symskill_pddl.files import DOMAIN, NAMES, PAGE, PROBLEM, Kind, make_folder, remove_empty, sealed
+from symskill_pddl.reading import parse_json, read_text
 
 JOBS = max(1, min(os.cpu_count() or 1, 8))
 """Processes that fit skills side by side; the result is the same with any number."""
@@ -367,10 +368,8 @@ def write_report(source: Path, path: Path, library: Library | None = None, *, fo
 
 def is_results(path: Path) -> bool:
     """Whether a file is one JSON object that calls itself results; everything else is taken for a trace."""
-    from json import JSONDecodeError, loads
-
     try:
-        document = loads(read_text(path, "trace or results file"))
-    except JSONDecodeError:
+        document = parse_json(read_text(path, "trace or results file"), str(path))
+    except FormatError:
         return False
     return isinstance(document, dict) and "event" not in document

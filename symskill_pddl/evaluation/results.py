@@ -7,11 +7,12 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, SerializerFunctionWrapHandler, ValidationError, model_serializer
+from pydantic import BaseModel, ConfigDict, SerializerFunctionWrapHandler, model_serializer
 
-from symskill_pddl.errors import FormatError, InputError
+from symskill_pddl.errors import InputError
 from symskill_pddl.evaluation.statistics import median, wilson
 from symskill_pddl.files import RESULTS, Output
+from symskill_pddl.reading import read_text, validated
 from symskill_pddl.worlds import DEFAULT
 
 CONFIDENCE = 0.95
@@ -149,15 +150,4 @@ def load_results(path: str | Path) -> Results:
     FormatError
         It is not JSON, of another format or version, or a field is missing or wrong; names the field.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputError(f"there is no results file '{path}'") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"cannot read the results file '{path}': {error}") from None
-    try:
-        return Results.model_validate_json(text)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(map(str, first["loc"])) or "file"
-        raise FormatError(f"'{path}' is not a results file: {where}: {first['msg']}") from None
+    return validated(Results.model_validate, read_text(path, "results file"), f"'{path}' is not a results file")

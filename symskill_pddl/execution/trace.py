@@ -13,10 +13,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, TextIO
 
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import BaseModel, TypeAdapter
 
 from symskill_pddl.errors import FormatError, InputError
 from symskill_pddl.execution.lines import SCHEMA, Header, Line, NoteLine, OutcomeLine
+from symskill_pddl.reading import read_text, validated
 
 _LINE: TypeAdapter[Any] = TypeAdapter(Line)
 
@@ -81,25 +82,17 @@ def read_trace(path: str | Path) -> Trace:
         A line is not of the schema, naming the line; no header; another version. A last line without its line end that does
         not parse was cut off by a crash: it is left out and noted.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputError(f"there is no trace '{path}'") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"cannot read the trace '{path}': {error}") from None
-    rows, note, lines = text.split("\n"), "", []
+    rows, note, lines = read_text(path, "trace").split("\n"), "", []
     for number, row in enumerate(rows, start=1):
         if not row.strip():
             continue
         try:
-            lines.append(_LINE.validate_json(row))
-        except ValidationError as error:
+            lines.append(validated(_LINE.validate_python, row, f"{path}:{number}: not a line of a trace"))
+        except FormatError:
             if number == len(rows) and number > 1:
                 note = f"the last line ({number}) was cut off and is left out"
                 break
-            first = error.errors()[0]
-            where = ".".join(map(str, first["loc"])) or "line"
-            raise FormatError(f"{path}:{number}: not a line of a trace: {where}: {first['msg']}") from None
+            raise
     if not lines or not isinstance(lines[0], Header):
         raise FormatError(f"{path}:1: a trace starts with a header")
     if lines[0].schema_version != SCHEMA:

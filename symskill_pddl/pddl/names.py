@@ -16,9 +16,10 @@ from itertools import count
 from pathlib import Path
 from typing import Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from symskill_pddl.errors import FormatError, InputError, alternatives
+from symskill_pddl.reading import read_text, validated
 from symskill_pddl.symbols import ROOT_TYPE, Absent, Atom, Domain, Operator, Parameter, Plan, Predicate, Problem, Type
 
 RESERVED = frozenset(
@@ -88,6 +89,7 @@ RESERVED = frozenset(
 _NAME = re.compile(r"[a-z][a-z0-9_-]*")
 _LEGAL = re.compile(r"[a-z][a-z0-9]*(?:[-_][a-z0-9]+)*")
 """What `legal` leaves as it is, keywords apart."""
+_VARIABLE = re.compile(r"\?[^\s()?]+")
 _KINDS = ("types", "predicates", "operators", "objects")
 
 
@@ -171,6 +173,9 @@ class Names(BaseModel):
                     raise InputError(f"'{name}' names both {exported[name]} and {kind[:-1]} '{identifier}'")
                 exported[name] = f"{kind[:-1]} '{identifier}'"
         for operator, mapping in self.parameters.items():
+            for parameter, name in mapping.items():
+                if not _VARIABLE.fullmatch(name):
+                    raise InputError(f"operator '{operator}', parameter '{parameter}': '{name}' is no variable like '?box'")
             if len(set(mapping.values())) != len(mapping):
                 raise InputError(f"operator '{operator}' has two parameters with one name")
         return self
@@ -307,19 +312,12 @@ def load_names(path: Path) -> Names:
 
     Raises
     ------
+    InputError
+        The file is missing or cannot be read.
     FormatError
-        The file is missing, is not JSON, has another version, or its names are not reversible.
+        It is not JSON, has another version, or its names are not reversible.
     """
-    try:
-        return Names.model_validate_json(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FormatError(f"{path}: cannot read the names: {error.strerror}") from None
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(map(str, first["loc"])) or "the file"
-        raise FormatError(f"{path}: {where}: {first['msg']}") from None
-    except (InputError, UnicodeDecodeError) as error:
-        raise FormatError(f"{path}: {error}") from None
+    return validated(Names.model_validate, read_text(path, "file of names"), str(path))
 
 
 class _Renames(BaseModel):
@@ -329,12 +327,11 @@ class _Renames(BaseModel):
 
 def load_renames(path: Path) -> dict[str, str]:
     """Read a ``--names`` file: ``{"renames": {"identifier": "wished-name"}}``; raises `FormatError` like `load_names`."""
+    text = read_text(path, "file of names")
     try:
-        return _Renames.model_validate_json(path.read_text(encoding="utf-8")).renames
-    except OSError as error:
-        raise FormatError(f"{path}: cannot read the renames: {error.strerror}") from None
-    except (ValidationError, UnicodeDecodeError):
-        raise FormatError(f'{path}: expected {{"renames": {{"identifier": "wished-name", ...}}}}') from None
+        return validated(_Renames.model_validate, text, str(path)).renames
+    except FormatError as error:
+        raise FormatError(f'{error}; expected {{"renames": {{"identifier": "wished-name", ...}}}}') from None
 
 
 def _variables(op: Operator) -> list[str]:

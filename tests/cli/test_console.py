@@ -1,5 +1,6 @@
 """What a program without a terminal is told about the progress."""
 
+import json
 import time
 
 import pytest
@@ -29,3 +30,28 @@ def test_an_error_gets_through_without_an_announcement(capsys: pytest.CaptureFix
     with pytest.raises(ValueError, match="burnt"), console.progress("baking"):
         raise ValueError("burnt")
     assert capsys.readouterr().err == ""
+
+
+UNSAFE = "\x1b]52;c;QUJD\x07\x9b31m\u202ename"
+
+
+def test_nothing_is_printed_that_a_terminal_obeys(capsys: pytest.CaptureFixture[str]) -> None:
+    console.say(UNSAFE)
+    console.remark(UNSAFE)
+    console.complain(UNSAFE)
+    console.table(UNSAFE, [UNSAFE], [[UNSAFE]])
+    with console.progress(UNSAFE) as advance:
+        advance.remark(UNSAFE)
+    console.emit_json({"name": UNSAFE})
+    said = capsys.readouterr()
+    assert not set("\x1b\x07\x9b\u202e") & set(said.out + said.err)
+    assert json.loads(said.out[said.out.index("{") :]) == {"name": UNSAFE}
+
+
+@pytest.mark.parametrize("name", ["x" * 100_000, "'" + "x y " * 50_000 + "'"])
+def test_an_error_holds_little_of_somebody_elses_text(capsys: pytest.CaptureFixture[str], name: str) -> None:
+    console.complain(f"there is no {name}; the reason comes last")
+    line = capsys.readouterr().err
+    assert line.count("x") < 300
+    assert line.startswith("symskill: error: there is no")
+    assert line.endswith("; the reason comes last\n")

@@ -1,6 +1,7 @@
 """What holds for the program as a whole."""
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -78,13 +79,73 @@ def test_errors_are_one_line_and_set_the_status(
     assert done.err == "symskill: error: a b\n"
 
 
-def test_a_bug_is_not_hidden(symskill: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def bug(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """An error in the program, which quotes the user's key."""
+
     def fail(**_: object) -> None:
-        raise ZeroDivisionError
+        raise ZeroDivisionError("with sk-MADE-UP-123")
 
     monkeypatch.setattr(program, "app", fail)
-    with pytest.raises(ZeroDivisionError):
-        symskill("show", "x")
+    monkeypatch.setenv("SOME_API_KEY", "sk-MADE-UP-123")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+
+
+@pytest.mark.usefixtures("bug")
+def test_a_bug_is_one_line_with_the_call_and_the_place_of_its_traceback(symskill: Callable[..., Any], tmp_path: Path) -> None:
+    done = symskill("show", "some library")
+    assert done.status == 3
+    assert "symskill show 'some library'" in done.error
+    assert "ZeroDivisionError: with ***" in done.error
+    (report,) = tmp_path.glob("symskill-error-*.txt")
+    assert str(report) in done.error
+    text = report.read_text()
+    assert "Traceback" in text
+    assert "MADE-UP" not in text
+    assert report.stat().st_mode & 0o077 == 0
+
+
+@pytest.mark.usefixtures("bug")
+def test_a_bug_where_nothing_can_be_written_says_how_to_see_it(
+    symskill: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "gone"))
+    monkeypatch.setenv("HOME", str(tmp_path / "gone"))
+    assert "SYMSKILL_TRACEBACK=1" in symskill("show", "x").error
+    monkeypatch.setenv("SYMSKILL_TRACEBACK", "1")
+    done = symskill("show", "x")
+    assert "Traceback" in done.err
+    assert done.error
+
+
+def test_ctrl_c_is_one_line(symskill: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(**_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(program, "app", fail)
+    done = symskill("show", "x")
+    assert (done.status, done.error) == (130, "interrupted")
+
+
+@pytest.mark.parametrize(("where", "status", "said"), [("pipe", 141, ""), ("/dev/full", 2, "No space left"), ("closed", 0, "")])
+def test_output_that_goes_nowhere(where: str, status: int, said: str) -> None:
+    if where == "/dev/full" and not Path(where).exists():
+        pytest.skip("this system has no /dev/full")
+    # what --help prints is kept back until the end, the interpreter's own end included
+    call = [sys.executable, "-m", "symskill_pddl.cli", "--version"]
+    if where == "pipe":
+        reading, writing = os.pipe()
+        os.close(reading)
+        done = subprocess.run(call, stdout=writing, stderr=subprocess.PIPE, text=True, check=False)
+        os.close(writing)
+    else:
+        to = "1>&-" if where == "closed" else f"> {where}"
+        done = subprocess.run(
+            ["sh", "-c", f'"$@" {to}', "sh", *call], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, check=False
+        )
+    assert done.returncode == status
+    assert said in done.stderr
+    assert len(done.stderr.splitlines()) == bool(said)
 
 
 def test_small_linear_algebra_runs_on_one_thread(tmp_path: Path) -> None:

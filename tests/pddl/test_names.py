@@ -161,6 +161,10 @@ def test_the_side_car_file_comes_back(tmp_path):
         ('{"types": {"a": "x", "b": "x"}}', "names.json: .*'x' names both"),
         ('{"types": {"a": "X"}}', "names.json: .*not a PDDL name"),
         ('{"parameters": {"op": {"?a": "?x", "?b": "?x"}}}', "names.json: .*two parameters with one name"),
+        ('{"parameters": {"op": {"?a": ""}}}', r"names.json: .*'op', parameter '\?a': '' is no variable"),
+        ('{"parameters": {"op": {"?a": "?a b"}}}', "names.json: .*is no variable"),
+        ('{"version": ' + "9" * 5000 + "}", "names.json: .*5000 digits"),
+        ("[" * 100_000, "names.json: .*nested too deeply"),
     ],
 )
 def test_a_damaged_side_car_file_is_refused(tmp_path, text, message):
@@ -171,9 +175,9 @@ def test_a_damaged_side_car_file_is_refused(tmp_path, text, message):
 
 
 def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(FormatError, match=r"gone.json: cannot read"):
+    with pytest.raises(InputError, match=r"there is no file of names .*gone.json"):
         load_names(tmp_path / "gone.json")
-    with pytest.raises(FormatError, match=r"gone.json: cannot read"):
+    with pytest.raises(InputError, match=r"there is no file of names .*gone.json"):
         load_renames(tmp_path / "gone.json")
 
 

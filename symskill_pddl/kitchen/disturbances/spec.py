@@ -6,9 +6,10 @@ import math
 import re
 from dataclasses import dataclass
 
-from symskill_pddl.errors import InputError, alternatives
+from symskill_pddl.errors import InputError, alternatives, shown
 from symskill_pddl.kitchen.disturbances.kind import Arguments, Kind
 from symskill_pddl.kitchen.disturbances.kinds import KINDS
+from symskill_pddl.reading import number, whole
 
 UNITS: dict[str, tuple[str, float]] = {
     "mm": ("m", 1e-3),
@@ -22,7 +23,6 @@ UNITS: dict[str, tuple[str, float]] = {
 }
 """Unit as written to SI unit and factor."""
 _NUMBER = re.compile(r"(\d+(?:\.\d+)?)([A-Za-z]+)")
-_CHANCE = re.compile(r"(0?\.\d+|[01](?:\.0*)?)(?:x([1-9]\d*))?")
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def parse_disturbance(spec: str) -> Disturbance:
     head, _, when = spec.partition("@")
     name, _, arguments = head.partition(":")
     if name not in KINDS:
-        raise InputError(f"disturbance '{spec}': unknown name '{name}'; there are: {alternatives(KINDS)}")
+        raise InputError(f"disturbance '{shown(spec, 80)}': unknown name '{shown(name, 80)}'; there are: {alternatives(KINDS)}")
     kind = KINDS[name]
     return Disturbance(spec, kind, _arguments(spec, kind, arguments), _when(spec, name, when))
 
@@ -95,29 +95,33 @@ def _arguments(spec: str, kind: Kind, text: str) -> Arguments:
     units = [unit for unit, (si, _) in UNITS.items() if si in kind.defaults]
     for word in (w.strip() for w in text.split(",") if text):
         match = _NUMBER.fullmatch(word)
-        if match is not None and match[2] in units:
+        value = number(match[1]) if match is not None and match[2] in units else None
+        if match is not None and value is not None:
             si, factor = UNITS[match[2]]
-            values[si] = float(match[1]) * factor
+            values[si] = value * factor
         elif kind.nameable and about is None and re.fullmatch(r"[A-Za-z][\w-]*", word):
             about = word
         else:
             also = " or an object's name" if kind.nameable else ""
             raise InputError(
-                f"disturbance '{spec}': argument '{word}' is not a number with one of the units {alternatives(units)}{also}"
+                f"disturbance '{shown(spec, 80)}': argument '{shown(word, 80)}' is not a number with one of the units "
+                f"{alternatives(units)}{also}"
             )
     return Arguments(values, about)
 
 
 def _when(spec: str, name: str, text: str) -> When:
     key, _, value = text.partition("=")
-    if key == "t" and re.fullmatch(r"\d+(\.\d+)?", value):
-        return When(time_s=float(value))
-    if key == "op" and re.fullmatch(r"\d+", value):
-        return When(step=int(value))
-    match = _CHANCE.fullmatch(value)
-    if key == "p" and match and 0.0 < float(match[1]) <= 1.0:
-        return When(chance=float(match[1]), times=None if match[2] is None else int(match[2]))
+    seconds, step = number(value), whole(value)
+    if key == "t" and seconds is not None and seconds >= 0.0:
+        return When(time_s=seconds)
+    if key == "op" and step is not None:
+        return When(step=step)
+    head, _, often = value.partition("x")
+    chance, times = number(head), whole(often)
+    if key == "p" and chance is not None and 0.0 < chance <= 1.0 and (times or not often) and not value.endswith("x"):
+        return When(chance=chance, times=times)
     raise InputError(
-        f"disturbance '{spec}': say when, as '{name}@t=SECONDS', '{name}@op=NUMBER' or '{name}@p=PROBABILITY' (up to 1, in every "
-        f"control step; '{name}@p=0.01x2' at most twice)"
+        f"disturbance '{shown(spec, 80)}': say when, as '{name}@t=SECONDS', '{name}@op=NUMBER' or '{name}@p=PROBABILITY' "
+        f"(up to 1, in every control step; '{name}@p=0.01x2' at most twice)"
     )
