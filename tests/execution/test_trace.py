@@ -152,7 +152,7 @@ def test_missing_file_and_folder(tmp_path):
     with pytest.raises(InputError, match="cannot write the trace"):
         TraceWriter(tmp_path / "no" / "folder.jsonl")
     (tmp_path / "binary").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="cannot read the trace"):
+    with pytest.raises(InputError, match="not UTF-8 text, a trace is needed"):
         read_trace(tmp_path / "binary")
 
 
