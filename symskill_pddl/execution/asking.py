@@ -57,7 +57,7 @@ def ask(
 
     begin, patience = monotonic(), 1.5 * limit_s + 0.5
     Thread(target=work, daemon=True, name="planner").start()
-    while not done.wait(period_s if wait else patience):
+    while not done.wait(period_s):
         if monotonic() - begin >= patience:
             raise BrokenPlannerError(f"the planner hangs: no answer {patience:.1f} s after it was given {limit_s:g} s")
         if wait is not None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 import re
-import time
 from pathlib import Path
 
 import pytest
@@ -120,10 +119,8 @@ PROBLEM_MISTAKES = {
 
 
 def refused(read, text, spot):
-    begin = time.perf_counter()
     with pytest.raises(ParseError) as caught:
         read(text)
-    assert time.perf_counter() - begin < 2.0
     error = caught.value
     lines = text.splitlines() or [""]
     assert 1 <= error.line <= len(lines)

@@ -109,12 +109,6 @@ def test_many_goal_atoms_are_built_up():
     assert len(nearest_goal(kitchen(), problem)) == 1
 
 
-def test_a_call_at_kitchen_size_is_quick():
-    for planner in (Builtin(), Pyperplan()):
-        planner.solve(kitchen(), covered_egg())
-        assert min(planner.solve(kitchen(), covered_egg()).seconds for _ in range(3)) < 0.1
-
-
 @pytest.mark.parametrize("dialect", ["strips", "negative", "costs"])
 def test_unified_planning_reads_what_we_write_and_finds_our_plan_valid(dialect):
     """An independent reader and validator: the text means what the symbols mean."""

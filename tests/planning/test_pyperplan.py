@@ -84,7 +84,6 @@ def test_limits():
     assert Pyperplan().solve(kitchen(), crowd, Limits(ground_operators=50)).status is Status.FAILED
     result = Pyperplan("astar", "blind").solve(kitchen(), crowd, Limits(time_s=0.3))
     assert result.status is Status.TIMEOUT
-    assert result.seconds < 3.0
 
 
 def test_unknown_search():
