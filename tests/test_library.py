@@ -12,7 +12,7 @@ from symskill_pddl.library import DEMOS, INDEX, SKILLS, Library
 from symskill_pddl.skills import FitConfig
 from symskill_pddl.symbols import Absent, Atom, Parameter
 
-FAST = LearnConfig(skills=SkillConfig(fit=FitConfig(max_components=2, max_fields=1, samples=40)))
+FAST = LearnConfig(skills=SkillConfig(fit=FitConfig(components=2, max_fields=1, samples=40)))
 
 
 @pytest.fixture(scope="module")

@@ -95,7 +95,7 @@ def learn_skill(group: OperatorGroup, config: SkillConfig | None = None) -> tupl
         frame = parameters[1] if part == "motion" and len(parameters) > 1 else parameters[0]
         tolerance_p, tolerance_r = _tolerances(paths, part, config)
         # an approach may set out from anywhere; with something in the hand, or from it, the hand starts where it was shown
-        fit = config.fit if part == "approach" else replace(config.fit, max_strays=np.inf)
+        fit = config.fit if part == "approach" else replace(config.fit, max_stray_m=np.inf)
         try:
             with threadpool_limits(1):
                 phases += fit_phases(paths, frame.name, closed, tolerance_p, tolerance_r, fit)

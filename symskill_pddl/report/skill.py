@@ -114,7 +114,7 @@ def _draw(figure: Any, title: str, phase: Phase, demos: Sequence[Trajectory], wa
     figure.supxlabel(
         f"certified: position error falls at {of_p.rate_hz:.2f} /s or faster, orientation at {of_q.rate_hz:.2f} /s "
         f"(below the speed caps of {field.position.max_speed:.2f} m/s, {field.orientation.max_speed:.2f} rad/s)\n"
-        f"steps of {of_p.period_s:g} s shrink them to {of_p.step_norm:.3f} and {of_q.step_norm:.3f} or less; "
+        f"for control periods below {1000.0 * field.max_period_s:.0f} ms; "
         f"cond P = {np.linalg.cond(of_p.P):.1f}; {sizes}",
         fontsize=9,
     )

@@ -16,16 +16,14 @@ class FitConfig:
     it. A slow end of a demonstration thus neither makes the execution crawl nor bends its path.
     """
 
-    period_s: float = 0.05
-    """Control period for which explicit Euler steps are certified."""
+    period_s: float = 0.1
+    """Explicit Euler steps of this length at least are certified; a field's certificate says how long its own may be."""
     gain_hz: float = 3.0
     """Speed per remaining way [1/s]; its inverse is the time constant of the last centimetres."""
     rate_hz: float = 1.0
     """Certified rate alpha [1/s]: below the speed cap the distance in the metric P falls at least as exp(-alpha t)."""
-    max_components: int = 6
-    """Largest number of linear systems in a field."""
-    components: int | None = None
-    """A given number of them; None chooses it by the error of rollouts."""
+    components: int = 8
+    """Linear systems in a field; what the data do not need stays near the plain pull to the goal (`ridge`)."""
     samples: int = 80
     """Samples per demonstration, evenly spaced along its path."""
     smoothing_s: float = 0.05
@@ -50,24 +48,24 @@ class FitConfig:
     min_speed_m_s: float = 0.05
     min_speed_rad_s: float = 0.4
     """Smallest speed caps: a disturbed hand returns at least this fast."""
-    tolerance_m: float = 0.015
-    tolerance_rad: float = 0.175
+    tolerance_m: float = 0.004
+    tolerance_rad: float = 0.087
     """A rollout may leave the demonstrations by this much, beyond their own spread, before the skill is split."""
     disturbance_m: float = 0.25
     final_m: float = 0.05
     """Also from starts that are this much aside, the last way into the goal has to lead through where the demonstrations went."""
-    max_strays: float = 1.8
-    """Tolerances by which it may miss them before a via pose is set; infinite for motions that always start as demonstrated."""
-    via_tolerance_m: float = 0.02
-    via_tolerance_rad: float = 0.175
+    max_stray_m: float = 0.027
+    """How far it may miss them before a via pose is set; infinite for motions that always start as demonstrated."""
+    via_tolerance_m: float = 0.01
+    via_tolerance_rad: float = 0.105
     """How close an intermediate goal of a split skill has to be reached."""
-    max_fields: int = 4
+    max_fields: int = 10
     """Largest number of fields in sequence."""
 
     def __post_init__(self) -> None:
         for entry in fields(self):
             value = getattr(self, entry.name)
-            if value is not None and not value > 0:
+            if not value > 0:
                 raise InputError(f"fit setting '{entry.name}' has to be positive, got {value!r}")
         if not self.rate_hz < self.gain_hz:
             raise InputError(f"the certified rate_hz ({self.rate_hz}) has to stay below gain_hz ({self.gain_hz})")

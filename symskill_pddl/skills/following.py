@@ -30,7 +30,7 @@ def deviation(field: Field, trajectories: list[Trajectory], shown: Array, config
     """How far rollouts and demonstrations part, in tolerances: three quarters of the demonstrations do better.
 
     A rollout has to stay where any demonstration was, and to come past everything its own one did. Their own spread, the
-    distance from one demonstration to the nearest of the others, is taken off.
+    largest distance from one demonstration to the nearest of the others, is taken off.
     """
     starts = Pose.stack([t.T_frame_ee[0] for t in trajectories])
     duration = 1.5 * max(t.duration_s for t in trajectories) + 1.0
@@ -44,7 +44,7 @@ def deviation(field: Field, trajectories: list[Trajectory], shown: Array, config
         own, corridor = to_all[i].min(0).max(), to_all.min((0, 2)).max()
         values.append(max(own, corridor))
         between = [_pose_distances(p[i], q[i], p[j], q[j], config).min(1) for j in range(len(p)) if j != i]
-        spread.append(np.min(between, axis=0).mean() if between else 0.0)
+        spread.append(np.min(between, axis=0).max() if between else 0.0)
     return max(0.0, float(np.quantile(values, 0.75) - np.median(spread)))
 
 
@@ -54,7 +54,7 @@ def _ending_in_goal(shown: Array) -> Array:
 
 
 def strays(field: Field, trajectories: list[Trajectory], shown: Array, config: FitConfig) -> float:
-    """How far, in tolerances, the last way to the goal leaves the demonstrations from starts that were not demonstrated.
+    """How far [m] the last way to the goal leaves the demonstrations from starts that were not demonstrated.
 
     The mean start is moved aside, and turned about the last direction: from behind an object, its grasp is still to be approached
     as shown. Positions only.
@@ -78,7 +78,7 @@ def strays(field: Field, trajectories: list[Trajectory], shown: Array, config: F
     if len(last_way) == 0:
         return 0.0
     gaps = np.linalg.norm(last_way[:, None] - ways.reshape(-1, 3), axis=-1).min(1)
-    return float(gaps.max() / config.tolerance_m)
+    return float(gaps.max())
 
 
 def _pose_distances(pa: Array, qa: Array, pb: Array, qb: Array, config: FitConfig) -> Array:

@@ -23,7 +23,7 @@ def fixed(dimensions: int) -> types.Array:
 NUMBER, POINTS = types.float64, types.float64[:, ::1]
 _LPV = types.Tuple([fixed(2), fixed(1), fixed(1), fixed(3), fixed(1)])
 _CURVE = types.Tuple([NUMBER, NUMBER, fixed(1)])
-_FIELD = types.Tuple([_LPV, fixed(1), fixed(2), _LPV, fixed(1), _CURVE, types.UniTuple(NUMBER, 3)])
+_FIELD = types.Tuple([_LPV, fixed(1), fixed(2), _LPV, fixed(1), _CURVE, types.UniTuple(NUMBER, 4)])
 
 
 @njit(cache=True)
@@ -107,7 +107,7 @@ def lead(distance, angle, reach, turn, difference):  # type: ignore[no-untyped-d
 def twists(p, q, position, goal_p, P, orientation, goal_q, pairing, widths):  # type: ignore[no-untyped-def]
     """Twists (n, 6) at positions (n, 3) and quaternions (n, 4)."""
     reach, turn, difference = pairing
-    lead_width, lag_width, least = widths
+    lead_width, lag_width, slowest_p, slowest_q = widths
     out = np.empty((len(p), 6))
     e_p, e_q, v, omega = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     logits = np.empty(max(len(position[4]), len(orientation[4])))
@@ -122,8 +122,8 @@ def twists(p, q, position, goal_p, P, orientation, goal_q, pairing, widths):  # 
         _linear_systems(e_p, position[0], position[1], position[2], position[3], position[4], logits, v)
         _linear_systems(e_q, orientation[0], orientation[1], orientation[2], orientation[3], orientation[4], logits, omega)
         ahead = lead(sqrt(max(square, 0.0)), angle, reach, turn, difference)
-        slower = min(max(1.0 + ahead / lag_width, least), 1.0)
-        waits = min(max(1.0 - ahead / lead_width, 0.0), 1.0)
+        slower = min(max(1.0 + ahead / lag_width, slowest_p), 1.0)
+        waits = min(max(1.0 - ahead / lead_width, slowest_q), 1.0)
         for j in range(3):
             out[i, j] = slower * v[j]
             out[i, 3 + j] = waits * omega[j]
@@ -159,36 +159,6 @@ def rollouts(p, q, steps, period, field):  # type: ignore[no-untyped-def]
                 r[j] = period * twist[0, 3 + j]
             _turned(r, qs[i, t], qs[i, t + 1])
     return ps, qs
-
-
-@njit((POINTS, _LPV, types.int64, NUMBER, NUMBER, types.boolean), cache=True)
-def ways(starts, lpv, steps, stride, near, turning):  # type: ignore[no-untyped-def]
-    """Errors (n, steps + 1, 3) along linear systems from errors (n, 3), in steps of `stride`, or `near` times what remains.
-
-    `turning`: the errors are rotation vectors, and steps compose as rotations do.
-    """
-    whitening, offset, log_scale, matrices, pace = lpv
-    out = np.empty((len(starts), steps + 1, 3))
-    v, q, moved, unturned = np.empty(3), np.empty(4), np.empty(4), np.array([1.0, 0.0, 0.0, 0.0])
-    logits = np.empty(len(pace))
-    for i in range(len(starts)):
-        out[i, 0] = starts[i]
-        for t in range(steps):
-            e = out[i, t]
-            _linear_systems(e, whitening, offset, log_scale, matrices, pace, logits, v)
-            speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-            left = near * sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
-            scale = min(stride, left) / max(speed, 1e-300)
-            for j in range(3):
-                v[j] *= scale
-            if turning:
-                _turned(e, unturned, q)
-                _turned(v, q, moved)
-                _rotation_error(moved, unturned, out[i, t + 1])
-            else:
-                for j in range(3):
-                    out[i, t + 1, j] = e[j] + v[j]
-    return out
 
 
 @njit((POINTS, NUMBER), cache=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,7 +11,7 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.geometry import Array, frozen
 from symskill_pddl.skills.config import FitConfig
 from symskill_pddl.skills.mixture import Mixture, fit_mixture
-from symskill_pddl.skills.stability import Certificate, certify
+from symskill_pddl.skills.stability import certify
 from symskill_pddl.skills.trajectory import Path
 
 
@@ -73,10 +73,8 @@ def fit_lpv(
     *,
     least_pace: float,
     learn_metric: bool,
-    turning: bool,
-    distance: Callable[[Array, Array], Array],
-) -> tuple[Lpv, Certificate]:
-    """Fit to demonstrated paths; the number of components is chosen by the error of rollouts from the demonstrated starts.
+) -> tuple[Lpv, Array]:
+    """Fit to demonstrated paths: the systems and their metric P (3, 3).
 
     Parameters
     ----------
@@ -86,10 +84,6 @@ def fit_lpv(
         Smallest speed cap.
     learn_metric : bool
         Learn P, else P = I.
-    turning : bool
-        The points are rotation vectors.
-    distance : callable
-        (a (..., n, 3), b (..., m, 3)) -> (..., n, m).
 
     Raises
     ------
@@ -97,8 +91,7 @@ def fit_lpv(
         If no stable field can be fitted.
     """
     if not paths:
-        lpv = attraction(config.gain_hz, least_pace)
-        return lpv, certify(lpv.matrices, np.eye(3), config.period_s)
+        return attraction(config.gain_hz, least_pace), np.eye(3)
     from symskill_pddl.skills.convex import fit_matrices, fit_metric  # CVXPY is slow to import, and only fitting needs it
 
     x = np.concatenate([path.points for path in paths])
@@ -116,49 +109,20 @@ def fit_lpv(
     beside_x, beside_v = _beside(x, v, remaining, config)
     all_x, all_v = np.concatenate([x, beside_x]), np.concatenate([v, beside_v])
     all_importance = np.concatenate([importance, np.tile(0.25 * config.funnel * importance, 4)])
-    shown = np.stack([path.points for path in paths])  # (demos, samples, 3)
-    best: tuple[float, Lpv, Certificate] | None = None
-    sizes = range(1, config.max_components + 1) if config.components is None else (config.components,)
-    for size in sizes:
-        mixture = fit_mixture(x, progress, size, config.spread)
-        weights = mixture.weights(x)
-        matrices = fit_matrices(
-            all_x,
-            all_v,
-            mixture.weights(all_x),
-            all_importance,
-            P,
-            gain_hz=config.gain_hz,
-            rate_hz=config.rate_hz,
-            period_s=config.period_s,
-            ridge=config.ridge,
-        )
-        certificate = certify(matrices, P, config.period_s)
-        lpv = Lpv(_rescaled(mixture, extent), matrices, _paces(weights, speeds, config.pace, least_pace))
-        score = _deviation(rollout(lpv, shown[:, 0], shown, config, turning), shown, distance) / extent
-        # A further component has to earn its place.
-        if best is None or score < 0.95 * best[0] - 1e-3:
-            best = score, lpv, certificate
-        if score < 3e-3 or size >= best[1].mixture.size + 2:
-            break
-    assert best is not None
-    return best[1], best[2]
-
-
-def rollout(lpv: Lpv, starts: Array, shown: Array, config: FitConfig, turning: bool) -> Array:
-    """Motions (demos, steps, 3) from `starts` (demos, 3) in even steps along the way: their geometry, without timing."""
-    from symskill_pddl.skills.kernels import ways
-
-    length = np.linalg.norm(np.diff(shown, axis=1), axis=-1).sum(1).max()
-    # even strides while far, a part of the distance when near: the speed cap does not bend the way
-    out: Array = ways(np.array(starts, order="C"), lpv.arrays, 90, length / 60, config.gain_hz * config.period_s, turning)
-    return out
-
-
-def _deviation(driven: Array, shown: Array, distance: Callable[[Array, Array], Array]) -> float:
-    """Mean distance between the two sets of ways, each to the nearest point of the other."""
-    d = distance(driven, shown)
-    return float(0.5 * (d.min(2).mean() + d.min(1).mean()))
+    mixture = fit_mixture(x, progress, config.components, config.spread)
+    matrices = fit_matrices(
+        all_x,
+        all_v,
+        mixture.weights(all_x),
+        all_importance,
+        P,
+        gain_hz=config.gain_hz,
+        rate_hz=config.rate_hz,
+        period_s=config.period_s,
+        ridge=config.ridge,
+    )
+    certify(matrices, P).demand(config.rate_hz, config.period_s)
+    return Lpv(_rescaled(mixture, extent), matrices, _paces(mixture.weights(x), speeds, config.pace, least_pace)), P
 
 
 def _beside(x: Array, v: Array, remaining: Array, config: FitConfig) -> tuple[Array, Array]:

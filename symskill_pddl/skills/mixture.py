@@ -52,7 +52,7 @@ class Mixture:
         return logits
 
 
-def fit_mixture(x: Array, progress: Array, size: int, floor: float, iterations: int = 30) -> Mixture:
+def fit_mixture(x: Array, progress: Array, size: int, floor: float, iterations: int = 5) -> Mixture:
     """Expectation maximisation (scikit-learn's) from slices of the path.
 
     The components start as `size` equal slices of the progress along the demonstrations, so no random start is needed, and the

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symskill_pddl.errors import InputError
-from symskill_pddl.geometry import Array, frozen, quat_exp
+from symskill_pddl.geometry import Array, frozen
 from symskill_pddl.skills.config import FitConfig
 from symskill_pddl.skills.lpv import Lpv, fit_lpv
-from symskill_pddl.skills.stability import Certificate
 from symskill_pddl.skills.trajectory import Trajectory, orientation_path
 
 
@@ -59,7 +58,7 @@ class OrientationField:
         return self.lpv.max_speed
 
 
-def fit_orientation(trajectories: Sequence[Trajectory], goal: Array, config: FitConfig) -> tuple[OrientationField, Certificate]:
+def fit_orientation(trajectories: Sequence[Trajectory], goal: Array, config: FitConfig) -> OrientationField:
     """Fit to smoothed trajectories that end near the unit quaternion `goal` (4,). P = I.
 
     Raises
@@ -68,12 +67,5 @@ def fit_orientation(trajectories: Sequence[Trajectory], goal: Array, config: Fit
         If no stable field can be fitted.
     """
     paths = [path for t in trajectories if (path := orientation_path(t, goal, config)) is not None]
-    lpv, certificate = fit_lpv(
-        paths, config, least_pace=config.min_speed_rad_s, learn_metric=False, turning=True, distance=_angles
-    )
-    return OrientationField(lpv, goal), certificate
-
-
-def _angles(a: Array, b: Array) -> Array:
-    """Angles (..., n, m) between rotations given as rotation vectors (..., n, 3) and (..., m, 3)."""
-    return np.asarray(2.0 * np.arccos(np.clip(np.abs(quat_exp(a) @ quat_exp(b).swapaxes(-1, -2)), 0.0, 1.0)))
+    lpv, _ = fit_lpv(paths, config, least_pace=config.min_speed_rad_s, learn_metric=False)
+    return OrientationField(lpv, goal)

@@ -15,9 +15,9 @@ _LEAD_WIDTH_RAD = 0.03
 """A rotation this far ahead of the position waits."""
 _LAG_WIDTH_RAD = 0.06
 """A position slows down for a rotation that is behind, the most from this angle on."""
-_LEAST = 0.25
-"""The position never waits altogether: a hand that cannot turn still arrives. (A rotation can: the position always moves on.)"""
-WIDTHS = (_LEAD_WIDTH_RAD, _LAG_WIDTH_RAD, _LEAST)
+SLOWEST = (0.25, 0.1)
+"""Neither position nor rotation waits altogether: both keep this fraction of their certified rate."""
+WIDTHS = (_LEAD_WIDTH_RAD, _LAG_WIDTH_RAD, *SLOWEST)
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,8 +26,8 @@ class Pairing:
 
     It is kept as d - a over d + a. Both fall along a demonstration, so the sum falls strictly and the difference is a function
     of it, also where the hand turns without moving or moves without turning. A pose off the curve has a rotation that is ahead
-    (d - a larger than shown) or behind. Both factors made from that only scale a velocity, so they keep every property of the
-    fields but the time taken.
+    (d - a larger than shown) or behind. Both factors made from that only scale a velocity, by no less than `SLOWEST`: a field
+    keeps its goal, its step and that fraction of its rate.
 
     Attributes
     ----------
@@ -59,7 +59,8 @@ class Pairing:
         from symskill_pddl.skills.kernels import lead
 
         ahead = lead(distance, angle, self.reach, self.turn, self.difference)
-        return min(max(1.0 + ahead / _LAG_WIDTH_RAD, _LEAST), 1.0), min(max(1.0 - ahead / _LEAD_WIDTH_RAD, 0.0), 1.0)
+        position, rotation = 1.0 + ahead / _LAG_WIDTH_RAD, 1.0 - ahead / _LEAD_WIDTH_RAD
+        return min(max(position, SLOWEST[0]), 1.0), min(max(rotation, SLOWEST[1]), 1.0)
 
 
 def fit_pairing(ways: Sequence[tuple[Array, Array]], P: Array) -> Pairing:

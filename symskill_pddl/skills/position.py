@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from symskill_pddl.geometry import Array, frozen
 from symskill_pddl.skills.config import FitConfig
 from symskill_pddl.skills.lpv import Lpv, fit_lpv
-from symskill_pddl.skills.stability import Certificate
 from symskill_pddl.skills.trajectory import Trajectory, position_path
 
 
@@ -43,8 +42,8 @@ class PositionField:
         return self.lpv.max_speed
 
 
-def fit_position(trajectories: Sequence[Trajectory], goal: Array, config: FitConfig) -> tuple[PositionField, Certificate]:
-    """Fit to smoothed trajectories that end near `goal` (3,).
+def fit_position(trajectories: Sequence[Trajectory], goal: Array, config: FitConfig) -> tuple[PositionField, Array]:
+    """Fit to smoothed trajectories that end near `goal` (3,): the field and its metric P (3, 3).
 
     Raises
     ------
@@ -52,13 +51,5 @@ def fit_position(trajectories: Sequence[Trajectory], goal: Array, config: FitCon
         If no stable field can be fitted.
     """
     paths = [path for t in trajectories if (path := position_path(t, goal, config)) is not None]
-    lpv, certificate = fit_lpv(
-        paths, config, least_pace=config.min_speed_m_s, learn_metric=True, turning=False, distance=_distances
-    )
-    return PositionField(lpv, goal), certificate
-
-
-def _distances(a: Array, b: Array) -> Array:
-    """Distances (..., n, m) between points (..., n, 3) and (..., m, 3)."""
-    squares = (a * a).sum(-1)[..., :, None] + (b * b).sum(-1)[..., None, :] - 2.0 * a @ b.swapaxes(-1, -2)
-    return np.sqrt(np.maximum(squares, 0.0))
+    lpv, P = fit_lpv(paths, config, least_pace=config.min_speed_m_s, learn_metric=True)
+    return PositionField(lpv, goal), P

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from symskill_pddl.errors import FormatError, InputError
+from symskill_pddl.errors import CertificateError, FormatError, InputError
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.skills import scalar
 from symskill_pddl.skills.field import Field
@@ -19,7 +19,6 @@ from symskill_pddl.skills.mixture import Mixture
 from symskill_pddl.skills.orientation import OrientationField
 from symskill_pddl.skills.pairing import Pairing
 from symskill_pddl.skills.position import PositionField
-from symskill_pddl.skills.stability import Certificate
 
 UNSHIFTED = Pose.identity()
 """A field where it was learned."""
@@ -114,6 +113,11 @@ class Skill:
         if not self.phases:
             raise InputError("a skill needs at least one phase")
 
+    @property
+    def max_period_s(self) -> float:
+        """Control periods below this [s] are certified for all phases."""
+        return min(phase.field.max_period_s for phase in self.phases)
+
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Everything as plain arrays, without pickle: `Skill.from_arrays` gives back an equal skill, bit by bit."""
         out: dict[str, NDArray[Any]] = {
@@ -139,24 +143,26 @@ class Skill:
                 out[f"{key}.{name}.whitening"] = mixture.whitening
                 out[f"{key}.{name}.offset"] = mixture.offset
                 out[f"{key}.{name}.log_scale"] = mixture.log_scale
-                out[f"{key}.{name}.metric"] = certificate.P
-                out[f"{key}.{name}.certificate"] = np.array([certificate.rate_hz, certificate.step_norm, certificate.period_s])
+                out[f"{key}.{name}.certificate"] = np.array([certificate.rate_hz, certificate.max_period_s])
+            out[f"{key}.position.metric"] = phase.field.P
         return out
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Skill:
-        """The inverse of `arrays`.
+        """The inverse of `arrays`. Every field is certified anew, and has to keep what the file claims of it.
 
         Raises
         ------
         FormatError
-            If an array is missing or has another shape.
+            If an array is missing or has another shape, or a field is less stable than claimed.
         """
         try:
             phases = tuple(_phase(arrays, f"phase{i}") for i in range(int(arrays["phases"])))
             return cls(phases, bool(arrays["close_gripper_at_end"]))
         except KeyError as error:
             raise FormatError(f"a skill's file lacks the array {error}") from None
+        except CertificateError as error:
+            raise FormatError(f"a skill's file holds a field that is not what was certified: {error}") from None
         except (InputError, IndexError, TypeError, ValueError) as error:
             raise FormatError(f"a skill's file holds arrays that do not fit together: {error}") from None
 
@@ -166,18 +172,19 @@ def _phase(arrays: Mapping[str, NDArray[Any]], key: str) -> Phase:
         mixture = Mixture(arrays[f"{name}.whitening"], arrays[f"{name}.offset"], arrays[f"{name}.log_scale"])
         return Lpv(mixture, arrays[f"{name}.matrices"], arrays[f"{name}.pace"])
 
-    def certificate(name: str) -> Certificate:
-        rate, norm, period = (float(value) for value in arrays[f"{name}.certificate"])
-        return Certificate(arrays[f"{name}.metric"], rate, norm, period)
-
     position, orientation = f"{key}.position", f"{key}.orientation"
     reach, turn = (float(value) for value in arrays[f"{key}.pairing.sizes"])
     pairing = Pairing(reach, turn, arrays[f"{key}.pairing.difference"])
     field = Field(
         PositionField(lpv(position), arrays[f"{position}.goal"]),
         OrientationField(lpv(orientation), arrays[f"{orientation}.goal"]),
-        (certificate(position), certificate(orientation)),
+        arrays[f"{position}.metric"],
         pairing,
     )
+    for name, certificate in zip((position, orientation), field.certificates, strict=True):
+        claimed = arrays[f"{name}.certificate"]
+        if claimed.shape != (2,):
+            raise InputError(f"'{name}.certificate' has the form {claimed.shape} of another version; learn the library again")
+        certificate.demand(float(claimed[0]), float(claimed[1]), slack=1e-6)
     tolerance_p, tolerance_r, duration = (float(value) for value in arrays[f"{key}.limits"])
     return Phase(str(arrays[f"{key}.frame"]), field, bool(arrays[f"{key}.close_gripper"]), tolerance_p, tolerance_r, duration)

@@ -20,7 +20,6 @@ from symskill_pddl.skills.following import deviation, retreat, strays
 from symskill_pddl.skills.skill import Phase
 from symskill_pddl.skills.trajectory import Trajectory, continuous_signs, evenly, smooth
 
-
 @dataclass(frozen=True)
 class FitReport:
     """How well the fields follow their demonstrations.
@@ -34,14 +33,14 @@ class FitReport:
     retreat : float
         Largest rise of the distance, or of the angle, to the end pose within a demonstration, as a fraction of its largest value;
         rises within the tolerances do not count. 0 is monotone.
-    strays : float
-        How far a single field would leave the demonstrations on the last way to the goal, in tolerances, from starts moved aside.
+    stray_m : float
+        How far a single field would leave the demonstrations on the last way to the goal, from starts moved aside [m].
     """
 
     deviations: tuple[float, ...]
     durations_s: tuple[float, ...]
     retreat: float
-    strays: float
+    stray_m: float
 
 
 def fit_fields(trajectories: Sequence[Trajectory], config: FitConfig = FitConfig()) -> tuple[Field, ...]:
@@ -93,7 +92,7 @@ def fit_reported(trajectories: Sequence[Trajectory], config: FitConfig = FitConf
     whole = _Part.fit([smooth(t, config.smoothing_s) for t in trajectories], config)
     parts = [whole] if whole.deviation <= 1.0 else _split(whole, config)
     stray = strays(whole.field, whole.trajectories, whole.shown, config)
-    if len(parts) == 1 and stray > config.max_strays and config.max_fields > 1:
+    if len(parts) == 1 and stray > config.max_stray_m and config.max_fields > 1:
         rough = whole.halves(_rough(config), apart=config.final_m / config.tolerance_m)
         if rough is not None:
             halves = [_Part.fit(part.trajectories, config) for part in rough]
@@ -111,12 +110,16 @@ def fit_reported(trajectories: Sequence[Trajectory], config: FitConfig = FitConf
 def _split(whole: _Part, config: FitConfig) -> list[_Part]:
     """The fewest fields that follow; where none do, the fewest that follow nearly as well as the best."""
     rough = _rough(config)
-    sequences = [[whole]]
+    sequences, hopeless = [[whole]], set[_Part]()
     while len(sequences) < config.max_fields:
         parts = sequences[-1]
-        worst = max(parts, key=lambda p: p.deviation)
-        if worst.deviation <= 1.0 or (halves := worst.halves(rough)) is None:
+        worst = max((p for p in parts if p not in hopeless), key=lambda p: p.deviation, default=None)
+        if worst is None or worst.deviation <= 1.0:
             break
+        halves = worst.halves(rough)
+        if halves is None or _worst(halves) > worst.deviation:
+            hopeless.add(worst)
+            continue
         at = parts.index(worst)
         sequences.append([*parts[:at], *halves, *parts[at + 1 :]])
     enough = max(1.0, 1.4 * min(_worst(parts) for parts in sequences))
@@ -126,7 +129,7 @@ def _split(whole: _Part, config: FitConfig) -> list[_Part]:
 
 def _rough(config: FitConfig) -> FitConfig:
     """The search for a place to cut needs no more than rough fits; what it finds is fitted anew."""
-    return replace(config, components=config.components or min(2, config.max_components), samples=min(40, config.samples))
+    return replace(config, components=min(3, config.components), samples=min(25, config.samples))
 
 
 @dataclass(frozen=True, eq=False)

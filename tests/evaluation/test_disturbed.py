@@ -25,7 +25,7 @@ from symskill_pddl.skills import FitConfig
 
 pytestmark = pytest.mark.simulation
 
-QUICK = LearnConfig(skills=SkillConfig(fit=FitConfig(max_components=3, max_fields=2, samples=100)))
+QUICK = LearnConfig(skills=SkillConfig(fit=FitConfig(components=3, max_fields=2, samples=100)))
 TASKS = ("PnPCounterToCab", "OpenDrawer", "OpenSingleDoor", "PnPStoveToCounter", "TurnOnStove", "TurnOnSinkFaucet")
 KNOB_2 = "(knob-turned knob-2 stove-2)"
 

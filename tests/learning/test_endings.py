@@ -15,7 +15,7 @@ from symskill_pddl.learning.skills import SkillConfig
 from symskill_pddl.skills import FitConfig
 from symskill_pddl.symbols import Atom
 
-FAST = LearnConfig(skills=SkillConfig(fit=FitConfig(max_components=2, max_fields=1, samples=40)))
+FAST = LearnConfig(skills=SkillConfig(fit=FitConfig(components=2, max_fields=1, samples=40)))
 RECORDINGS = Path(__file__).parents[1] / "data" / "robosuite"
 
 

@@ -34,7 +34,7 @@ def straight(a, b, n=30):
     ],
 )
 def test_phases_frames_and_fingers(groups, name, pattern, closed_at_end):
-    skill, _ = learn_skill(groups[name], SkillConfig(fit=FitConfig(max_components=2, max_fields=1, samples=40)))
+    skill, _ = learn_skill(groups[name], SkillConfig(fit=FitConfig(components=2, max_fields=1, samples=40)))
     seen = [(p.frame, p.close_gripper) for p in skill.phases]
     assert [s for k, s in enumerate(seen) if k == 0 or s != seen[k - 1]] == pattern
     assert skill.close_gripper_at_end is closed_at_end
@@ -58,17 +58,17 @@ def test_a_skill_arrives_from_where_the_demonstrations_start(groups):
         assert rotation_distance(ee, contact) < np.radians(10)
 
 
-@pytest.mark.parametrize(("name", "strays"), [("pick-food-from-cabinet", {1.8}), ("place-food-on-counter", {np.inf})])
-def test_only_approaches_have_to_come_in_well_from_anywhere(groups, monkeypatch, name, strays):
+@pytest.mark.parametrize(("name", "stray"), [("pick-food-from-cabinet", {0.027}), ("place-food-on-counter", {np.inf})])
+def test_only_approaches_have_to_come_in_well_from_anywhere(groups, monkeypatch, name, stray):
     seen = []
 
     def recording(*arguments):
-        seen.append(arguments[-1].max_strays)
+        seen.append(arguments[-1].max_stray_m)
         return fit_phases(*arguments)
 
     monkeypatch.setattr(skills, "fit_phases", recording)
-    learn_skill(groups[name], SkillConfig(fit=FitConfig(max_components=1, max_fields=1, samples=40, max_strays=1.8)))
-    assert set(seen) == strays
+    learn_skill(groups[name], SkillConfig(fit=FitConfig(components=1, max_fields=1, samples=40, max_stray_m=0.027)))
+    assert set(seen) == stray
 
 
 def test_a_second_approach_is_cut_out():

@@ -22,7 +22,7 @@ def reach(seed: int) -> Trajectory:
 
 @pytest.fixture(scope="module")
 def skill() -> Skill:
-    (field,) = fit_fields([reach(0), reach(1)], FitConfig(max_fields=1, max_components=2))
+    (field,) = fit_fields([reach(0), reach(1)], FitConfig(max_fields=1, components=2))
     return Skill((Phase("?food", field, False, 0.02, 0.1, 3.0), Phase("?food", field, False, 0.01, 0.1, 3.0)), True)
 
 

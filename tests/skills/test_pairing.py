@@ -33,7 +33,7 @@ def test_on_the_demonstrated_curve_nobody_waits(d, a):
 def test_who_is_ahead_waits():
     pairing = Pairing(1.0, 1.0, np.zeros(3))
     assert pairing.factors(0.5, 0.5) == (1.0, 1.0)
-    assert pairing.factors(0.5, 0.1) == (1.0, 0.0)
+    assert pairing.factors(0.5, 0.1) == (1.0, 0.1)
     assert pairing.factors(0.5, 1.5) == (0.25, 1.0)
     assert pairing.factors(0.0, 0.0) == (1.0, 1.0)
 

@@ -72,7 +72,7 @@ def test_arrays_round_trip_bit_by_bit(phase: Phase):
             b.duration_s,
         )
         assert np.array_equal(a.field.twist(T), b.field.twist(T))
-        assert a.field.certificate.rate_hz == b.field.certificate.rate_hz
+        assert [c.rate_hz for c in a.field.certificates] == [c.rate_hz for c in b.field.certificates]
     one, two = skill.arrays(), again.arrays()
     assert list(one) == list(two)
     assert all(np.array_equal(one[name], two[name]) for name in one)
@@ -86,6 +86,24 @@ def test_damaged_arrays_are_refused(phase: Phase):
         Skill.from_arrays({**arrays, "phase0.position.matrices": np.zeros((9, 3, 3))})
     with pytest.raises(FormatError, match="do not fit together"):
         Skill.from_arrays({**arrays, "phase0.limits": np.zeros(2)})
+
+
+@pytest.mark.parametrize(
+    ("array", "change", "message"),
+    [
+        ("position.matrices", lambda a: -a, "not what was certified.*not negative definite"),
+        ("orientation.matrices", lambda a: -a, "not what was certified.*not negative definite"),
+        ("position.matrices", lambda a: 0.9 * a, "not what was certified.*the error falls at"),
+        ("orientation.matrices", lambda a: 2.0 * a, "not what was certified.*steps of up to"),
+        ("position.metric", lambda a: np.diag([1.0, 1.0, -1.0]), "not what was certified.*not positive definite"),
+        ("position.certificate", lambda a: np.append(a, 0.05), "another version; learn the library again"),
+    ],
+)
+def test_a_field_that_is_not_the_certified_one_is_not_loaded(phase: Phase, array, change, message):
+    arrays = Skill((phase,), True).arrays()
+    changed = {**arrays, f"phase0.{array}": change(arrays[f"phase0.{array}"])}
+    with pytest.raises(FormatError, match=message):
+        Skill.from_arrays(changed)
 
 
 def test_bad_phases_and_skills_are_refused(field: Field):

@@ -18,7 +18,7 @@ def test_a_reach_is_one_field(reaches):
     assert len(fields) == 1
     assert report.deviations[0] <= 1.0
     assert report.retreat < 0.05
-    assert report.strays < 1.0
+    assert report.stray_m < 0.015
     assert report.durations_s == (pytest.approx(5.0),)
 
 
@@ -43,7 +43,7 @@ def test_a_u_is_split_and_followed(turn, count):
 def test_one_field_could_not_follow_the_u():
     (field,), report = fit_reported([u_shape(0)], replace(FitConfig(), max_fields=1))
     assert report.deviations[0] > 2.0
-    assert field.certificate.rate_hz > 0.9
+    assert field.max_period_s >= 0.99 * FitConfig().period_s
 
 
 def test_different_timing_and_starts():
@@ -67,7 +67,7 @@ def test_a_grasp_from_above_comes_from_above_from_anywhere(count):
     fields, report = fit_reported([grasp(seed) for seed in range(1, count + 1)])
     assert len(fields) == 2
     assert report.retreat < 0.05
-    assert report.strays > FitConfig().max_strays
+    assert report.stray_m > FitConfig().max_stray_m
     for start in ([0.3, 0.2, 0.3], [0.2, -0.3, 0.3], [-0.3, 0.2, 0.3], [-0.3, -0.1, 0.2], [0, 0.3, 0.1]):
         way, arrived = execute(fields, Pose(np.array(start), np.array([1.0, 0, 0, 0])), FitConfig(), 15.0)
         assert arrived
@@ -78,7 +78,7 @@ def test_a_grasp_from_above_comes_from_above_from_anywhere(count):
 def test_phases_have_loose_tolerances_in_between():
     phases = fit_phases([u_shape(0)], "?food", True, 0.004, 0.02)
     assert len(phases) >= 2
-    assert [p.tolerance_p for p in phases] == [0.02] * (len(phases) - 1) + [0.004]
+    assert [p.tolerance_p for p in phases] == [0.01] * (len(phases) - 1) + [0.004]
     assert phases[-1].tolerance_r == 0.02
     assert all(p.frame == "?food" and p.close_gripper for p in phases)
 

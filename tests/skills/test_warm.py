@@ -13,7 +13,6 @@ from symskill_pddl.skills.field import Field
 from symskill_pddl.skills.lpv import Lpv
 from symskill_pddl.skills.mixture import Mixture
 from symskill_pddl.skills.pairing import Pairing
-from symskill_pddl.skills.stability import certify
 
 
 def test_warm_imports_all_that_is_compiled():
@@ -36,8 +35,7 @@ def test_one_form_fits_every_memory_layout():
     ):
         mixture = Mixture(layout(np.concatenate([np.eye(3), 2 * np.eye(3)])), np.ones(6), np.zeros(2))
         lpv = Lpv(mixture, layout(gains), np.ones(2))
-        certificates = certify(lpv.matrices, layout(P), 0.05), certify(lpv.matrices, np.eye(3), 0.05)
-        field = Field(PositionField(lpv, zero[:3]), OrientationField(lpv, goal), certificates, Pairing.none())
+        field = Field(PositionField(lpv, zero[:3]), OrientationField(lpv, goal), layout(P), Pairing.none())
         poses = Pose(layout(p), layout(q))
         things = Superellipsoids(poses, layout(0.1 + abs(p)), layout(0.1 * p))
         found.append(
