@@ -113,10 +113,11 @@ def _stretches(t: Transition, config: SkillConfig) -> tuple[tuple[Stretch, ...],
         found += _runs("approach", t.begin, e.start, _approached(t).inverse() @ e.demo.T_world_ee, t, config)
         return tuple(found), bool(command[t.end])
     reference = _reference(t)
-    found += _runs("motion", e.start, e.stop - 1, reference.inverse() @ e.demo.T_world_ee, t, config)
-    rest = e.after.T_world_obj if e.after is not None else e.demo.pose(e.obj)[e.stop - 1]
+    still = min(e.stop, len(e.demo) - 1)  # the first sample at rest: a sample earlier the hand is still above its place
+    found += _runs("motion", e.start, still, reference.inverse() @ e.demo.T_world_ee, t, config)
+    rest = e.after.T_world_obj if e.after is not None else e.demo.pose(e.obj)[still]
     last = min(max(e.end, t.end), len(e.demo) - 1)
-    found += _runs("retreat", e.stop - 1, last, rest.inverse() @ e.demo.T_world_ee, t, config)
+    found += _runs("retreat", still, last, rest.inverse() @ e.demo.T_world_ee, t, config)
     return tuple(found), bool(command[last])
 
 
