@@ -11,7 +11,7 @@ newtons, which removes the creep under a load in the hand and bounds the force a
 
 An energy tank pays for all work the torques do (beyond carrying the arm's own weight), and receives what damping takes out. The
 work of a step is reckoned when its end is known, as torque times mean velocity, so that the books are exact at any step size. An
-empty tank closes the valve on f: then only dissipation is left, whatever the command is.
+empty tank closes the valve on f and on the pull to the posture: then only dissipation is left, whatever the command is.
 """
 
 from __future__ import annotations
@@ -203,10 +203,16 @@ def _torques(q, qd, J, M, bias, twist, dt, gains, posture, posture_rates, limits
     spring[:3] = k_t * stretch[:3]
     spring[3:] = k_r * stretch[3:]
 
+    # posture torques through the dynamically consistent null space: they do not accelerate the hand
+    pull = M @ (posture_rates[0] * np.minimum(0.5, np.maximum(-0.5, posture - q)))
+    pull -= J.T @ (exact @ (Minv_JT.T @ pull))
+    brake = M @ (posture_rates[1] * qd)
+    brake -= J.T @ (exact @ (Minv_JT.T @ brake))
+
     # the last step's work, as its end is known now
     state[6] = min(capacity, state[6] - dt * (last[0] @ (0.5 * (last[1] + qd))) + dt * refill)
-    # the command draws power from the tank; the valve closes over the last 5 %
-    drawn = twist @ (D @ xdot) + twist @ spring
+    # command and posture draw power from the tank; the valve closes over the last 5 %
+    drawn = twist @ (D @ xdot) + twist @ spring + pull @ qd
     valve = 1.0
     if drawn > 0.0:
         valve = min(1.0, max(0.0, state[6] / (0.05 * capacity)))
@@ -219,10 +225,7 @@ def _torques(q, qd, J, M, bias, twist, dt, gains, posture, posture_rates, limits
     stored = k_t * (stretch[:3] @ stretch[:3]) + k_r * (stretch[3:] @ stretch[3:]) - stored
     state[6] = min(capacity, state[6] - 0.5 * stored)
 
-    # posture torque through the dynamically consistent null space: it does not accelerate the hand
-    null = M @ (posture_rates[0] * np.minimum(0.5, np.maximum(-0.5, posture - q)) - posture_rates[1] * qd)
-    null -= J.T @ (exact @ (Minv_JT.T @ null))
-    tau = np.minimum(limits, np.maximum(-limits, J.T @ force + bias + null))
+    tau = np.minimum(limits, np.maximum(-limits, J.T @ force + bias + valve * pull - brake))
     last[0] = tau - bias
     last[1] = qd
     return tau

@@ -103,6 +103,11 @@ class Library:
     runs: tuple[str, ...] = ()
     """Checksums of the recorded runs that its operators' experience comes from."""
 
+    @property
+    def max_period_s(self) -> float:
+        """Control periods below this [s] are certified for all skills; infinite without skills."""
+        return min((skill.max_period_s for skill in self.skills.values()), default=float("inf"))
+
     def domain(self, name: str = "learned", *, strict: bool = False) -> Domain:
         """What a planner sees: every type, predicate (`gripper-open`, the built-in one, first) and operator.
 

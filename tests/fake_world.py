@@ -124,6 +124,10 @@ class Linear:
     gain: float = 3.0
     cap: float = 0.5
 
+    @property
+    def max_period_s(self) -> float:
+        return 2.0 / self.gain
+
     def twist_at(self, p: np.ndarray, q: np.ndarray) -> np.ndarray:
         v = self.gain * (self.T_goal.p - p)
         v = v * min(1.0, self.cap / max(float(np.linalg.norm(v)), 1e-12))

@@ -117,6 +117,22 @@ def test_an_empty_tank_lets_the_command_do_no_more_work():
     assert controller.tank_energy < 0.1
 
 
+def test_an_empty_tank_lets_the_posture_do_no_more_work():
+    """Somebody turns the elbow away again and again; what the posture gives back then comes out of the tank, and ends with it."""
+    config = ControlConfig(tank_capacity=0.05, tank_refill=0.0, posture=(1.0,) * 7)
+    M7 = np.diag(np.linspace(1.5, 0.1, 7))
+    J = np.linalg.qr(np.random.default_rng(3).normal(size=(7, 7)))[0][:6]
+    controller, q, qd, work = PassiveController(config), np.zeros(7), np.zeros(7), 0.0
+    for step in range(5000):
+        tau = controller.torques(q, qd, J, M7, np.zeros(7), np.zeros(6), DT)
+        after = qd + DT * np.linalg.solve(M7, tau)
+        work += DT * tau @ (0.5 * (qd + after))
+        qd, q = after, q + DT * 0.5 * (qd + after)
+        if step % 500 == 499:
+            q, qd = np.zeros(7), np.zeros(7)  # held and brought back: its energy is gone
+    assert 0.5 * config.tank_capacity < work < config.tank_capacity + 1e-3
+
+
 def test_torques_stay_within_their_limits():
     config = ControlConfig(posture=(0.0,) * 6, torque_limits=(1.0,) * 6)
     tau = PassiveController(config).torques(np.zeros(6), np.zeros(6), np.eye(6), M, np.full(6, 50.0), np.ones(6), DT)

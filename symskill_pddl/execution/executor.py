@@ -97,6 +97,7 @@ def execute(
     warm()
     begin = perf_counter()
     _check(library, domain, goal, objects, world.observe())
+    _check_period(library, world.period_s)
     journal = Journal(trace, on_event)
     config = config or ExecutionConfig()
     told = {"goal": rows(goal), "objects": dict(objects), "monitor": monitor, "period_s": world.period_s}
@@ -353,3 +354,12 @@ def _check(library: Library, domain: Domain, goal: State, objects: Mapping[str, 
             raise InputError(f"the goal {atom} is no atom that can be observed; predicates: {alternatives(seen)}")
         if unknown := [a for a in atom.args if a not in objects]:
             raise InputError(f"the goal {atom} names the unknown object '{unknown[0]}'; the problem has: {alternatives(objects)}")
+
+
+def _check_period(library: Library, period_s: float) -> None:
+    """A field that is stable for short steps need not be for long ones."""
+    if period_s >= library.max_period_s:
+        raise InputError(
+            f"the world is commanded every {period_s:g} s, the library's skills are certified for periods below "
+            f"{library.max_period_s:.3g} s: command it more often, or learn with a longer period"
+        )

@@ -20,6 +20,7 @@ from symskill_pddl.skills.following import deviation, retreat, strays
 from symskill_pddl.skills.skill import Phase
 from symskill_pddl.skills.trajectory import Trajectory, continuous_signs, evenly, smooth
 
+
 @dataclass(frozen=True)
 class FitReport:
     """How well the fields follow their demonstrations.

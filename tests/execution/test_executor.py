@@ -557,5 +557,13 @@ class TestRefused:
             ExecutionConfig(**setting)
 
 
+def test_a_control_period_that_is_not_certified_is_refused_before_anything_moves():
+    world = FakeWorld()
+    world.period_s = 1.01 * LIBRARY.max_period_s
+    with pytest.raises(InputError, match="skills are certified for periods below"):
+        run(world)
+    assert world.time == 0.0
+
+
 def test_handle_is_where_the_door_says():
     assert np.allclose(handle(0.0).p, [0.45, 0.35, 0.5])
