@@ -26,6 +26,8 @@ from symskill_pddl.planning.protocol import Limits
 _GRACE_S = 0.5
 _GRACE_PART = 0.1
 """Between asking a program to end and ending it: this part of its time, and so many seconds at most."""
+_PATIENCE_S, _LONG_S = 10.0, 1e6
+"""With the process that watches, after its time; a call of so many seconds is waited for without end."""
 _PROCESSES = 256
 _FILE_BYTES = 50_000_000
 _FOLDER_BYTES = 200_000_000
@@ -33,6 +35,7 @@ _TEXT_BYTES = 4_000_000
 """Of what is printed the last, and of a plan file the first: a plan of that length has more than a hundred thousand steps."""
 _PLANS = 20
 """Of numbered plan files the last."""
+_SUPERVISOR = (sys.executable, "-I", "-S", str(Path(__file__).with_name("supervisor.py")))
 _MARK = "SYMSKILL_PLANNER"
 """In the environment of a program and of all that it starts, with a value of the call's own."""
 
@@ -71,7 +74,10 @@ class Ended:
 @contextmanager
 def work_folder() -> Iterator[Path]:
     """A temporary folder for a program, removed afterwards whatever the program made in it."""
-    folder = Path(mkdtemp(prefix="symskill-")).resolve()
+    try:
+        folder = Path(mkdtemp(prefix="symskill-")).resolve()
+    except OSError as error:
+        raise InputError(f"cannot make a temporary folder for a planner: {error.strerror or error}") from None
     try:
         yield folder
     finally:
@@ -105,7 +111,7 @@ def run(words: Sequence[str], folder: Path, limits: Limits, *, time_s: float, st
     grace_s = min(_GRACE_S, _GRACE_PART * time_s)
     bounds = (os.getpid(), time.monotonic() + time_s, grace_s, memory, _PROCESSES, _FILE_BYTES, _FOLDER_BYTES, _TEXT_BYTES)
     call = [*map(str, bounds), str(folder), str(stdin or os.devnull), *words]
-    what, number, printed, output = _supervised(call, folder, patience_s=1.1 * time_s + 10.0)
+    what, number, printed, output = _supervised(call, folder, 1.1 * time_s + _PATIENCE_S if time_s < _LONG_S else None)
     if what == "refused":
         raise InputError(f"cannot run the planner '{words[0]}': {os.strerror(number)}")
     stopped = {
@@ -119,14 +125,21 @@ def run(words: Sequence[str], folder: Path, limits: Limits, *, time_s: float, st
     return Ended(None if stopped else number, stopped, output.decode("utf-8", errors="replace"), printed)
 
 
-def _supervised(call: list[str], folder: Path, patience_s: float) -> tuple[str, int, int, bytes]:
+def watched(words: Sequence[str]) -> list[str]:
+    """A call of a program that asks and answers through pipes, such that all that it starts ends with it, and it with us.
+
+    The process that is started is not the program but watches it: `terminate` ends both, `kill` leaves what the program started.
+    """
+    return [*_SUPERVISOR, "keep", str(os.getpid()), *words]
+
+
+def _supervised(call: list[str], folder: Path, patience_s: float | None) -> tuple[str, int, int, bytes]:
     """The supervisor's report: what happened, a number, the bytes printed and the last of them."""
     mark = f"{os.getpid()}-{secrets.token_hex(8)}"
-    supervisor = Path(__file__).with_name("supervisor.py")
     control, held = os.pipe()
     try:
         process = subprocess.Popen(
-            [sys.executable, "-I", "-S", str(supervisor), *call],
+            [*_SUPERVISOR, "run", *call],
             stdin=control,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -139,14 +152,16 @@ def _supervised(call: list[str], folder: Path, patience_s: float) -> tuple[str, 
     finally:
         os.close(control)
     report = b""
+    overdue = False
     try:
-        with suppress(subprocess.TimeoutExpired):
-            report, _ = process.communicate(timeout=patience_s)
+        report, _ = process.communicate(timeout=patience_s)
+    except subprocess.TimeoutExpired:  # it was stopped, or the machine is very busy
+        overdue = True
     finally:
         os.close(held)  # the supervisor ends at that, if it has not ended already
         if process.poll() is None:
             with suppress(subprocess.TimeoutExpired):
-                process.wait(6.0)
+                process.wait(1.0)
         if process.returncode != 0 or not report:  # the planner may have ended or stopped it
             process.kill()
             process.wait()
@@ -154,6 +169,8 @@ def _supervised(call: list[str], folder: Path, patience_s: float) -> tuple[str, 
         if process.stdout is not None:
             process.stdout.close()
     first, _, output = report.partition(b"\n")
+    if overdue:
+        return "time", 0, 0, b""
     if process.returncode != 0 or not first:
         return "lost", 0, 0, b""
     what, number, printed = first.split()

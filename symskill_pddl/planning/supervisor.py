@@ -6,9 +6,12 @@ pipe closes, its parent changes), ends the planner with all its descendants, and
 
 On Linux orphans of the planner become children of this process (a child subreaper), so that a descendant which left the session
 with `setsid` is found too. On other systems only the planner's process group is ended. Asked for by position:
-PARENT DEADLINE GRACE_S MEMORY PROCESSES FILE_BYTES FOLDER_BYTES OUTPUT_BYTES FOLDER STDIN WORD...
 
-On standard output: a line (what happened, a number, the bytes printed), then the last of what the planner printed.
+    run PARENT DEADLINE GRACE_S MEMORY PROCESSES FILE_BYTES FOLDER_BYTES OUTPUT_BYTES FOLDER STDIN WORD...
+    keep PARENT WORD...
+
+`run` says on standard output in a line what happened, a number and the bytes printed, then the last of what the planner printed.
+`keep` sets no bounds and leaves its standard streams to the program; all ends on SIGTERM, with the program, or with its parent.
 """
 
 from __future__ import annotations
@@ -21,6 +24,7 @@ import stat
 import sys
 import time
 from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
 from typing import NamedTuple
 
@@ -52,14 +56,13 @@ class Job(NamedTuple):
 
     @classmethod
     def read(cls, argv: list[str]) -> Job:
-        parent, memory, processes, file, folder, output = (int(word) for word in (argv[1], *argv[4:9]))
-        deadline, grace_s = float(argv[2]), float(argv[3])
-        return cls(parent, deadline, grace_s, memory, processes, file, folder, output, argv[9], argv[10], argv[11:])
+        parent, memory, processes, file, folder, output = (int(word) for word in (argv[0], *argv[3:8]))
+        deadline, grace_s = float(argv[1]), float(argv[2])
+        return cls(parent, deadline, grace_s, memory, processes, file, folder, output, argv[8], argv[9], argv[10:])
 
 
-def main(argv: list[str]) -> None:
-    """Run the planner that is asked for, and report."""
-    job = Job.read(argv)
+def main(argv: list[str]) -> int:
+    """Run the program that is asked for; exit status."""
     if _LINUX:
         _prctl(_PR_SET_CHILD_SUBREAPER, 1)
         _prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
@@ -69,24 +72,51 @@ def main(argv: list[str]) -> None:
     signal.set_wakeup_fd(waker, warn_on_full_buffer=False)
     for number in (signal.SIGCHLD, signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
         signal.signal(number, lambda *_: None)  # to wake up; the loop looks what it was
+    if argv[1] == "keep":
+        return keep(int(argv[2]), argv[3:], woken)
+    report(Job.read(argv[2:]), woken)
+    return 0
+
+
+def keep(parent: int, words: list[str], woken: int) -> int:
+    """Run a program that has its own limits, until it ends or is no longer wanted."""
+    program, refused = _start(words, lambda: None)
+    if refused:
+        return 127
+    for stream in (0, 1):  # the program's: who holds the other ends sees when it is gone
+        os.close(stream)
+    status = None
+    while status is None and os.getppid() == parent:
+        if select.select([woken], [], [], 5 * _LOOK_S)[0] and signal.SIGTERM in os.read(woken, 4096):
+            break
+        status = _reaped(program)
+    end_all(program)
+    if status is not None and status < 0:  # it ended by a signal: so do we
+        signal.signal(-status, signal.SIG_DFL) if -status not in (signal.SIGKILL, signal.SIGSTOP) else None
+        os.kill(os.getpid(), -status)
+    return status or 0
+
+
+def report(job: Job, woken: int) -> None:
+    """Run a planner within its bounds, and say how it went."""
     printed, mouth = os.pipe()
     os.set_blocking(printed, False)
-    program, refused = _start(job, mouth)
+    program, refused = _start(job.words, lambda: _prepare(job, mouth))
     os.close(mouth)
     if refused:
-        report = b"refused %d 0\n" % refused
+        said = b"refused %d 0\n" % refused
     else:
         watch = Watch(job, program, printed, woken)
         what, status = watch.run()
         end_all(program)
         watch.listen()
-        report = b"%s %d %d\n" % (what.encode(), status, watch.total) + b"".join(watch.tail)[-job.output_bytes :]
+        said = b"%s %d %d\n" % (what.encode(), status, watch.total) + b"".join(watch.tail)[-job.output_bytes :]
         if what == "parent":
             _remove(job.folder)
             return
     with suppress(OSError):
-        while report:
-            report = report[os.write(1, report) :]
+        while said:
+            said = said[os.write(1, said) :]
 
 
 class Watch:
@@ -140,8 +170,8 @@ class Watch:
         return bool(data)
 
 
-def _start(job: Job, mouth: int) -> tuple[int, int]:
-    """The planner's process number, and the error number where it cannot be started."""
+def _start(words: list[str], prepare: Callable[[], None]) -> tuple[int, int]:
+    """The program's process number, and the error number where it cannot be started."""
     told, teller = os.pipe()  # closed by a successful exec
     me = os.getpid()
     program = os.fork()
@@ -155,14 +185,8 @@ def _start(job: Job, mouth: int) -> tuple[int, int]:
                     os._exit(1)
             for number in (signal.SIGPIPE, signal.SIGXFSZ):
                 signal.signal(number, signal.SIG_DFL)
-            os.dup2(os.open(job.stdin, os.O_RDONLY), 0)
-            os.dup2(mouth, 1)
-            os.dup2(mouth, 2)
-            os.chdir(job.folder)
-            _limit(resource.RLIMIT_AS, job.memory)
-            _limit(resource.RLIMIT_FSIZE, job.file_bytes)
-            _limit(resource.RLIMIT_CORE, 0)
-            os.execvp(job.words[0], job.words)
+            prepare()
+            os.execvp(words[0], words)
         except OSError as failed:
             error = failed.errno or 0
         finally:
@@ -172,6 +196,17 @@ def _start(job: Job, mouth: int) -> tuple[int, int]:
     said = os.read(told, 20)
     os.close(told)
     return program, int(said or b"0")
+
+
+def _prepare(job: Job, mouth: int) -> None:
+    """In the planner's process: its streams, its folder, its limits."""
+    os.dup2(os.open(job.stdin, os.O_RDONLY), 0)
+    os.dup2(mouth, 1)
+    os.dup2(mouth, 2)
+    os.chdir(job.folder)
+    _limit(resource.RLIMIT_AS, job.memory)
+    _limit(resource.RLIMIT_FSIZE, job.file_bytes)
+    _limit(resource.RLIMIT_CORE, 0)
 
 
 def _limit(kind: int, bound: int) -> None:
@@ -306,4 +341,4 @@ def _prctl(option: int, value: int) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv)
+    sys.exit(main(sys.argv))

@@ -11,7 +11,7 @@ import pytest
 
 from symskill_pddl.errors import InputError
 from symskill_pddl.planning import Limits, process
-from symskill_pddl.planning.process import plan_files, run, work_folder
+from symskill_pddl.planning.process import plan_files, run, watched, work_folder
 
 BENCHMARK = Path(__file__).parents[2] / "benchmarks" / "misbehaving_planners.py"
 needs_proc = pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc to look for processes")
@@ -142,3 +142,75 @@ def test_of_a_long_plan_file_the_beginning_is_read(tmp_path, monkeypatch):
     monkeypatch.setattr(process, "_TEXT_BYTES", 10)
     (tmp_path / "plan.txt").write_text("0123456789abc")
     assert plan_files(tmp_path, "plan.txt") == ("0123456789",)
+
+
+def ended(process):
+    process.stdin.close()
+    process.stdout.close()
+    return process.wait()
+
+
+@pytest.fixture
+def kept(mark, request):
+    """Start a shell script under watch."""
+    started = []
+
+    def start(script):
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+        started.append(subprocess.Popen(watched(["sh", "-c", script, "sh", mark]), start_new_session=True, **pipes))
+        return started[-1]
+
+    yield start
+    for each in started:
+        each.terminate()
+        ended(each)
+
+
+def test_a_program_that_is_watched_has_its_streams_and_its_status(kept):
+    program = kept("read word; echo got $word; exit 5")
+    assert program.communicate(b"hello\n") == (b"got hello\n", None)
+    assert program.returncode == 5
+    assert ended(kept("kill -9 $$")) == -9
+    assert ended(kept("kill -ABRT $$")) == -6
+
+
+@needs_proc
+def test_all_of_a_program_that_is_watched_ends_when_it_is_no_longer_wanted(kept, mark):
+    program = kept("setsid sh -c 'echo ready; sleep 60; :' $1 & sleep 60; :")
+    assert program.stdout.readline() == b"ready\n"
+    program.terminate()
+    assert ended(program) == 0
+    assert ways.left(mark) == 0
+
+
+@needs_proc
+def test_all_of_a_program_that_is_watched_ends_with_who_started_it(mark):
+    script = "setsid sh -c 'echo ready; sleep 60; :' $1 & sleep 60; :"
+    code = "import subprocess, sys; from symskill_pddl.planning.process import watched; "
+    code += f"subprocess.run(watched(['sh', '-c', {script!r}, 'sh', {mark!r}]))"
+    asking = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
+    assert asking.stdout.readline() == b"ready\n"
+    asking.kill()
+    ended_asking = asking.wait()
+    asking.stdout.close()
+    assert ended_asking == -9
+    assert ways.left(mark) == 0
+
+
+def test_no_place_for_a_temporary_folder(monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", "/no/such/folder")
+    with pytest.raises(InputError, match="cannot make a temporary folder for a planner: No such file"), work_folder():
+        pass
+
+
+@needs_proc
+def test_who_stops_what_watches_it_is_out_of_time(monkeypatch, mark):
+    monkeypatch.setattr(process, "_PATIENCE_S", 0.0)
+    found = ways.ask(ways.Way("kill -STOP $PPID; sleep 60", "timeout"), mark, time_s=0.3)
+    assert found.status.value == "timeout"
+    assert ways.left(mark) == 0
+
+
+def test_time_without_end():
+    with work_folder() as folder:
+        assert run(["true"], folder, Limits(time_s=float("inf")), time_s=float("inf")).status == 0
