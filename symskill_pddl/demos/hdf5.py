@@ -28,18 +28,17 @@ import json
 import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from symskill_pddl.demos.demo import Demo
+from symskill_pddl.demos.safe_hdf5 import Dataset, Group, opened
 from symskill_pddl.demos.truth import Truth, write_truth
 from symskill_pddl.errors import FormatError, InputError, alternatives
 from symskill_pddl.files import DEMOS, Output
 from symskill_pddl.geometry import Array, Pose
-
-if TYPE_CHECKING:
-    import h5py
+from symskill_pddl.reading import parse_json
 
 FORMAT = "symskill-demos"
 SCHEMA_VERSION = 2
@@ -51,7 +50,9 @@ _HEADER = {"units": "m, s, rad", "quaternion_order": "wxyz"}
 
 def natural_key(name: str) -> tuple[tuple[int, int, str], ...]:
     """Sort key under which demo_2 comes before demo_10."""
-    return tuple((0, int(part), "") if part.isdigit() else (1, 0, part) for part in re.split(r"(\d+)", name) if part)
+    parts = (part for part in re.split(r"([0-9]+)", name) if part)
+    # a number of more digits is greater, however many they are
+    return tuple((0, len(p.lstrip("0")), p.lstrip("0")) if p[0] in "0123456789" else (1, 0, p) for p in parts)
 
 
 def save_demos(path: str | Path, demos: Iterable[Demo], truths: Mapping[str, Truth] | None = None) -> None:
@@ -218,31 +219,16 @@ class _Reader:
         if not self.path.is_file():
             what = "is a folder, not a demonstrations file" if self.path.is_dir() else "does not exist"
             raise InputError(f"'{self.path}' {what}; 'symskill record' and 'symskill import' write one")
-        return self._read(self.path)
+        with opened(self.path) as file:
+            return self._demos(file)
 
     def decoded(self, content: bytes) -> tuple[Demo, ...]:
-        return self._read(io.BytesIO(content))
+        with opened(content, self.path) as file:
+            return self._demos(file)
 
-    def _read(self, from_: Path | io.BytesIO) -> tuple[Demo, ...]:
-        import h5py
-
-        try:
-            with h5py.File(from_, "r") as file:
-                return self._demos(file)
-        except (FormatError, InputError):
-            raise
-        except PermissionError as error:
-            raise InputError(f"cannot read '{self.path}': {error.strerror or 'permission denied'}") from error
-        except (OSError, RuntimeError, KeyError, ValueError, TypeError, UnicodeError, OverflowError, MemoryError) as error:
-            # whatever HDF5 finds wrong with the bytes themselves
-            reason = " ".join(str(error).split())[:160]
-            raise FormatError(f"'{self.path}' is not a readable HDF5 file (damaged or truncated): {reason}") from error
-
-    def _demos(self, file: h5py.File) -> tuple[Demo, ...]:
-        import h5py
-
+    def _demos(self, file: Group) -> tuple[Demo, ...]:
         data = file.get("data")
-        if not isinstance(data, h5py.Group):
+        if not isinstance(data, Group):
             raise self.fail("data", f"there is no such group; the file has: {alternatives(map(str, file))}")
         self._check_header(data)
         names = sorted(map(str, data), key=natural_key)
@@ -254,7 +240,7 @@ class _Reader:
             raise self.fail("data", "the checksum does not match the content: the file was damaged or edited")
         return demos
 
-    def _check_header(self, data: h5py.Group) -> None:
+    def _check_header(self, data: Group) -> None:
         found = data.attrs.get("format")
         if found != FORMAT:
             if found is None and ("env" in data.attrs or "env_args" in data.attrs):
@@ -268,11 +254,9 @@ class _Reader:
             if data.attrs.get(key) != wanted:
                 raise self.fail("data", f"attribute '{key}' has to be '{wanted}', found {data.attrs.get(key)!r}")
 
-    def _demo(self, data: h5py.Group, name: str) -> Demo:
-        import h5py
-
+    def _demo(self, data: Group, name: str) -> Demo:
         inside, group = f"data/{name}", data[name]
-        if not isinstance(group, h5py.Group):
+        if not isinstance(group, Group):
             raise self.fail(inside, "has to be a group")
         times = self._values(group, inside, "times", ())
         n = len(times)
@@ -282,7 +266,7 @@ class _Reader:
         if not np.all((closed == 0) | (closed == 1)):
             raise self.fail(f"{inside}/gripper_closed", "has to hold 0 (open) and 1 (closed) only")
         objects = group.get("objects")
-        if not isinstance(objects, h5py.Group):
+        if not isinstance(objects, Group):
             raise self.fail(f"{inside}/objects", "there is no such group")
         order = self._json(
             group, inside, "object_order", lambda v: isinstance(v, list) and all(isinstance(o, str) for o in v), "a list of names"
@@ -314,7 +298,7 @@ class _Reader:
                 objects={o: types[o] for o, ever in zip(order, shown, strict=True) if ever},
                 T_world_objects=Pose.from_vector(np.where(seen[..., None], poses[hand], _NOWHERE)[:, shown]),
                 extents={t: (h[0], h[1], h[2]) for t, h in extents.items() if t in there or t not in types.values()},
-                attributes={str(k): self._scalar(v, inside, str(k)) for k, v in group.attrs.items() if k not in _RESERVED},
+                attributes={k: group.attrs[k] for k in group.attrs if k not in _RESERVED},
                 seen=seen[:, shown],
             )
         except FormatError:
@@ -323,30 +307,23 @@ class _Reader:
             raise self.fail(inside, str(error).removeprefix(f"{self.path.stem}:{name}: ")) from None
 
     def _values(
-        self, group: h5py.Group, inside: str, name: str, row: tuple[int, ...], n: int | None = None, *, gaps: bool = False
+        self, group: Group, inside: str, name: str, row: tuple[int, ...], n: int | None = None, *, gaps: bool = False
     ) -> Array:
         """A numeric dataset (n, *row) as float64, finite, or with NaN where there are gaps."""
-        import h5py
-
         inside = f"{inside}/{name}"
         dataset = group.get(name)
-        if not isinstance(dataset, h5py.Dataset):
+        if not isinstance(dataset, Dataset):
             raise self.fail(inside, "there is no such dataset")
         wanted = f"({'n' if n is None else n}{''.join(f', {r}' for r in row) or ','})"
         if dataset.ndim != 1 + len(row) or dataset.shape[1:] != row or n not in (None, dataset.shape[0]):
             raise self.fail(inside, f"has shape {dataset.shape}, expected {wanted}")
-        if dataset.dtype.kind not in "fiub":
-            raise self.fail(inside, f"has to hold numbers, found {dataset.dtype}")
-        try:
-            values = np.asarray(dataset[...], dtype=np.float64)
-        except (OSError, RuntimeError) as error:
-            raise self.fail(inside, f"cannot be read, the file is damaged ({' '.join(str(error).split())[:120]})") from error
+        values = np.asarray(dataset.read(), dtype=np.float64)
         bad = np.argwhere(np.isinf(values) if gaps else ~np.isfinite(values))
         if bad.size:
             raise self.fail(inside, f"holds a number that is not finite, at index {', '.join(map(str, bad[0]))}")
         return values
 
-    def _poses(self, group: h5py.Group, inside: str, name: str, n: int) -> Array:
+    def _poses(self, group: Group, inside: str, name: str, n: int) -> Array:
         """Poses (n, 7): position and quaternion; all of a row is NaN where any of it is."""
         values = self._values(group, inside, name, (7,), n, gaps=True)
         values[np.isnan(values).any(axis=1)] = np.nan
@@ -357,27 +334,16 @@ class _Reader:
             )
         return values
 
-    def _text(self, holder: Any, inside: str, key: str) -> str:
-        value = self._scalar(holder.attrs.get(key), inside, key)
+    def _text(self, holder: Group | Dataset, inside: str, key: str) -> str:
+        value = holder.attrs.get(key)
         if not isinstance(value, str):
             raise self.fail(inside, f"attribute '{key}' has to be a text, found {value!r}")
         return value
 
-    def _scalar(self, value: Any, inside: str, key: str) -> str | int | float:
-        if isinstance(value, bytes):
-            value = value.decode("utf-8")
-        if isinstance(value, np.integer):
-            return int(value)
-        if isinstance(value, np.floating):
-            return float(value)
-        if isinstance(value, str):
-            return str(value)
-        raise self.fail(inside, f"attribute '{key}' has to be a text or a number, found {value!r}")
-
-    def _json(self, group: h5py.Group, inside: str, key: str, valid: Callable[[Any], bool], wanted: str) -> Any:
+    def _json(self, group: Group, inside: str, key: str, valid: Callable[[Any], bool], wanted: str) -> Any:
         try:
-            value = json.loads(self._text(group, inside, key))
-        except json.JSONDecodeError:
+            value = parse_json(self._text(group, inside, key), inside)
+        except FormatError:
             value = None
         if not valid(value):
             raise self.fail(inside, f"attribute '{key}' has to be JSON: {wanted}")

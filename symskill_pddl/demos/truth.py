@@ -19,8 +19,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import TypeAdapter
 
-from symskill_pddl.errors import FormatError, InputError
+from symskill_pddl.demos.safe_hdf5 import Dataset, Group, opened
+from symskill_pddl.errors import InputError
+from symskill_pddl.reading import validated
 
 TRUTH = "truth"
 SCHEMA_VERSION = 1
@@ -62,6 +65,9 @@ class Truth:
     relations: Mapping[Relation, NDArray[np.bool_]] = field(default_factory=dict)
 
 
+_MOVES, _RELATIONS = TypeAdapter(tuple[Move, ...]), TypeAdapter(tuple[Relation, ...])
+
+
 def write_truth(file: Any, truths: Mapping[str, Truth], group: Any) -> None:
     """Add the side group to an open HDF5 file; `group` makes a group without time stamps (`hdf5`)."""
     root = group(file, TRUTH)
@@ -86,31 +92,28 @@ def load_truths(path: str | Path) -> dict[str, Truth]:
     FormatError
         If it is not HDF5, or its truth is damaged.
     """
-    import h5py
-
     if not Path(path).is_file():
         raise InputError(f"'{path}' does not exist; 'symskill record' writes demonstrations with their truth")
-    try:
-        with h5py.File(path, "r") as file:
-            root = file.get(TRUTH)
-            if root is None:
-                return {}
-            if root.attrs.get("schema_version") != SCHEMA_VERSION:
-                raise FormatError(
-                    f"'{path}': truth: schema_version {root.attrs.get('schema_version')!r} cannot be read, this release reads "
-                    f"version {SCHEMA_VERSION}"
-                )
-            return {str(name): _truth(root[name]) for name in root}
-    except FormatError:
-        raise
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
-        raise FormatError(f"'{path}': truth cannot be read: {' '.join(str(error).split())[:160]}") from error
+    with opened(path) as file:
+        root = file.get(TRUTH)
+        if not isinstance(root, Group):
+            return {}
+        if root.attrs.get("schema_version") != SCHEMA_VERSION:
+            raise root.fail(
+                f"schema_version {root.attrs.get('schema_version')!r} cannot be read, this release reads version {SCHEMA_VERSION}"
+            )
+        return {name: _truth(root[name], str(path)) for name in root}
 
 
-def _truth(group: Any) -> Truth:
-    moves = tuple(Move(**move) for move in json.loads(group.attrs["moves"]))
-    order = [tuple(relation) for relation in json.loads(group.attrs["relations"])]
+def _truth(group: Group | Dataset, path: str) -> Truth:
+    if not isinstance(group, Group):
+        raise group.fail("has to be a group")
+    where = f"'{path}': {group.name}"
+    moves = validated(_MOVES.validate_python, str(group.attrs.get("moves")), f"{where}: moves")
+    order = validated(_RELATIONS.validate_python, str(group.attrs.get("relations")), f"{where}: relations")
     if not order:
         return Truth(moves)
-    rows = np.asarray(group["relations"][...], dtype=bool)
-    return Truth(moves, dict(zip(order, rows, strict=True)))
+    rows = group["relations"]
+    if not isinstance(rows, Dataset) or rows.ndim != 2 or rows.shape[0] != len(order):
+        raise rows.fail(f"has to hold a row for each of {len(order)} relations")
+    return Truth(moves, dict(zip(order, np.asarray(rows.read(), dtype=bool), strict=True)))

@@ -58,9 +58,9 @@ def test_damage_is_said_in_one_line(tmp_path):
     with h5py.File(path, "r+") as file:
         file["truth"].attrs["schema_version"] = 1
         file["truth/demo_0"].attrs["moves"] = "[{"
-    with pytest.raises(FormatError, match="truth cannot be read"):
+    with pytest.raises(FormatError, match="truth/demo_0: moves: is no JSON"):
         load_truths(path)
     assert load_demos(path)
     (tmp_path / "text").write_text("no HDF5")
-    with pytest.raises(FormatError, match="truth cannot be read"):
+    with pytest.raises(FormatError, match="not a readable HDF5 file"):
         load_truths(tmp_path / "text")
