@@ -9,10 +9,9 @@ from symskill_pddl.errors import FormatError, InputError
 from symskill_pddl.learning import LearnConfig, learn
 from symskill_pddl.learning.skills import SkillConfig
 from symskill_pddl.library import DEMOS, INDEX, SKILLS, Library
-from symskill_pddl.skills import FitConfig
 from symskill_pddl.symbols import Absent, Atom, Parameter
 
-FAST = LearnConfig(skills=SkillConfig(fit=FitConfig(components=2, max_fields=1, samples=40)))
+FAST = LearnConfig(skills=SkillConfig(max_fields=1))
 
 
 @pytest.fixture(scope="module")

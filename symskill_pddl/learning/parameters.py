@@ -17,8 +17,6 @@ import numpy as np
 from symskill_pddl.learning.learn import LearnConfig
 
 UNITS = {"_m_s": "m/s", "_rad_s": "rad/s", "_m_rad": "m/rad", "_m": "m", "_rad": "rad", "_s": "s"}
-ELSEWHERE = ("skills.fit",)
-"""Parameters of the skills room are explained there."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +43,6 @@ def table(explained: tuple[Explained, ...]) -> str:
 def _walked(config: Any, path: str) -> Iterator[Explained]:
     for f in fields(config):
         name, value = f"{path}{f.name}", getattr(config, f.name)
-        if name in ELSEWHERE:
-            continue
         if is_dataclass(value):
             yield from _walked(value, f"{name}.")
             continue

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -29,31 +29,42 @@ from symskill_pddl.skills import FitConfig, Phase, Skill, Trajectory, fit_phases
 
 @dataclass(frozen=True)
 class SkillConfig:
-    """What counts as a movement of the hand, as a detour, and how exactly phases end."""
+    """How closely skills follow what was shown, how fast, and for which control periods."""
 
-    fit: FitConfig = field(default_factory=FitConfig)
-    still_m: float = 0.012
-    """As `still_rad`, for shifts."""
-    still_rad: float = float(np.radians(8.0))
-    """A stretch in which the hand moves less than this is a wait."""
-    detour_m: float = 0.03
-    """Going away from the end by more than this is a detour, unless most demonstrations do."""
-    join_m: float = 0.06
-    """A loop is cut out if its ends are this near to each other; else the path begins after it."""
-    retreat_quantile: float = 0.25
-    """Retreats are cut at this quantile of the distances they reach."""
-    approach_m: tuple[float, float] = (0.004, 0.008)
-    """Bounds of the tolerance of an approach, which follows the spread of the demonstrated ends: fingers have 1 cm to spare."""
-    approach_rad: tuple[float, float] = (float(np.radians(3.0)), float(np.radians(6.0)))
-    """As `approach_m`, for turning."""
-    motion_m: tuple[float, float] = (0.006, 0.012)
-    """As `approach_m`, for motions: what is put down may lie a centimetre aside."""
-    motion_rad: tuple[float, float] = (float(np.radians(3.0)), float(np.radians(7.0)))
-    """As `motion_m`, for turning."""
-    retreat_m: tuple[float, float] = (0.02, 0.04)
-    """As `approach_m`, for retreats, which only have to be clear of the object."""
-    retreat_rad: tuple[float, float] = (float(np.radians(8.0)), float(np.radians(15.0)))
-    """As `retreat_m`, for turning."""
+    tolerance_m: float = 0.004
+    """Skills follow the shown way within this, beyond the demonstrations' own spread; ends, waits and via points follow."""
+    tolerance_rad: float = float(np.radians(5.0))
+    """As `tolerance_m`, for turning."""
+    max_fields: int = 10
+    """A long way is cut into at most so many fields in sequence."""
+    pace: float = 1.2
+    """Largest speed, as a multiple of the speed that was shown."""
+    period_s: float = 0.1
+    """Skills are stable at control periods up to this."""
+
+    def fit(self) -> FitConfig:
+        """The settings of a motion field."""
+        return FitConfig(
+            period_s=self.period_s,
+            pace=self.pace,
+            tolerance_m=self.tolerance_m,
+            tolerance_rad=self.tolerance_rad,
+            via_tolerance_m=2.5 * self.tolerance_m,
+            via_tolerance_rad=1.2 * self.tolerance_rad,
+            max_fields=self.max_fields,
+        )
+
+
+_WAIT = (3.0, 1.6)
+"""A stretch in which the hand moves less than these multiples of the tolerances is a wait for the fingers."""
+_ENDS = {"approach": ((1.0, 2.0), (0.6, 1.2)), "motion": ((1.5, 3.0), (0.6, 1.4)), "retreat": ((5.0, 10.0), (1.6, 3.0))}
+"""Bounds of how exactly each part ends, in tolerances of position and turning. Within them it follows the spread of the shown
+ends: fingers have a centimetre to spare, what is put down may lie a centimetre aside, a retreat has only to be clear."""
+_DETOUR, _JOIN = 0.4, 0.75
+"""In openings of the hand: going away from the end by more than this is a detour, unless most demonstrations do; a loop is cut
+out where its ends are this near to each other, else the path begins after it."""
+_RETREAT_QUANTILE = 0.25
+"""Hands wander off to different places: retreats are cut at this quantile of the distances they reach."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,14 +99,15 @@ def learn_skill(group: OperatorGroup, config: SkillConfig | None = None) -> tupl
         raise LearningError(f"operator '{name}': the hand does not move in its demonstrations, there is no skill to learn")
     fitting = [stretches for (stretches, _), p in zip(shown, patterns, strict=True) if p == pattern]
     parameters = group.learned.operator.parameters
+    opening = max(float(np.quantile(t.demo.aperture, 0.99)) for t in group.transitions)
     phases: list[Phase] = []
     for k, (part, closed) in enumerate(pattern[0]):
         paths = [stretches[k].path for stretches in fitting]
-        paths = _common_length(paths, config) if part == "retreat" else _direct(paths, config)
+        paths = _common_length(paths) if part == "retreat" else _direct(paths, opening)
         frame = parameters[1] if part == "motion" and len(parameters) > 1 else parameters[0]
         tolerance_p, tolerance_r = _tolerances(paths, part, config)
         # an approach may set out from anywhere; with something in the hand, or from it, the hand starts where it was shown
-        fit = config.fit if part == "approach" else replace(config.fit, max_stray_m=np.inf)
+        fit = config.fit() if part == "approach" else replace(config.fit(), max_stray_m=np.inf)
         try:
             with threadpool_limits(1):
                 phases += fit_phases(paths, frame.name, closed, tolerance_p, tolerance_r, fit)
@@ -155,8 +167,8 @@ def _runs(part: str, first: int, last: int, T_frame_ee: Pose, t: Transition, con
     found: list[Stretch] = []
     for a, b in pairwise(cuts):
         T = T_frame_ee[a:b]
-        far = np.linalg.norm(T.p - T.p[0], axis=-1).max() > config.still_m
-        turned = rotation_distance(T, T[0]).max() > config.still_rad
+        far = np.linalg.norm(T.p - T.p[0], axis=-1).max() > _WAIT[0] * config.tolerance_m
+        turned = rotation_distance(T, T[0]).max() > _WAIT[1] * config.tolerance_rad
         if not (far or turned):
             continue
         stretch = Stretch(part, bool(t.demo.gripper_closed[a]), Trajectory(t.demo.times[a:b], T))
@@ -172,13 +184,15 @@ def _runs(part: str, first: int, last: int, T_frame_ee: Pose, t: Transition, con
     return found
 
 
-def _direct(paths: Sequence[Trajectory], config: SkillConfig) -> list[Trajectory]:
+def _direct(paths: Sequence[Trajectory], opening_m: float) -> list[Trajectory]:
     """Loops cut out of the paths that have one, if most have none."""
-    kept = [_progressing(p, config.detour_m) for p in paths]
+    kept = [_progressing(p, _DETOUR * opening_m) for p in paths]
     looping = [not mask.all() for mask in kept]
     if sum(looping) * 2 > len(paths):
         return list(paths)
-    return [_without_loops(p, mask, config) if loops else p for p, mask, loops in zip(paths, kept, looping, strict=True)]
+    return [
+        _without_loops(p, mask, _JOIN * opening_m) if loops else p for p, mask, loops in zip(paths, kept, looping, strict=True)
+    ]
 
 
 def _progressing(path: Trajectory, slack_m: float) -> NDArray[np.bool_]:
@@ -190,10 +204,10 @@ def _progressing(path: Trajectory, slack_m: float) -> NDArray[np.bool_]:
     return np.asarray(distance >= later - 0.003)
 
 
-def _without_loops(path: Trajectory, mask: NDArray[np.bool_], config: SkillConfig) -> Trajectory:
+def _without_loops(path: Trajectory, mask: NDArray[np.bool_], join_m: float) -> Trajectory:
     index = np.flatnonzero(mask)
     jumps = np.linalg.norm(np.diff(path.T_frame_ee.p[index], axis=0), axis=-1)
-    wide = np.flatnonzero(jumps > config.join_m)
+    wide = np.flatnonzero(jumps > join_m)
     if len(wide):
         index = index[wide[-1] + 1 :]
     steps = np.diff(path.times)
@@ -202,10 +216,10 @@ def _without_loops(path: Trajectory, mask: NDArray[np.bool_], config: SkillConfi
     return Trajectory(times, path.T_frame_ee[index])
 
 
-def _common_length(paths: Sequence[Trajectory], config: SkillConfig) -> list[Trajectory]:
+def _common_length(paths: Sequence[Trajectory]) -> list[Trajectory]:
     """Every path cut where it is as far from its start as a short one among them gets."""
     distances = [np.linalg.norm(p.T_frame_ee.p - p.T_frame_ee.p[0], axis=-1) for p in paths]
-    reach = float(np.quantile([d.max() for d in distances], config.retreat_quantile))
+    reach = float(np.quantile([d.max() for d in distances], _RETREAT_QUANTILE))
     out = []
     for path, distance in zip(paths, distances, strict=True):
         beyond = np.flatnonzero(distance >= reach - 1e-9)
@@ -219,11 +233,7 @@ def _tolerances(paths: Sequence[Trajectory], part: str, config: SkillConfig) -> 
     spread_p = float(np.sqrt(ends.p.var(axis=0).sum()))
     mean = Pose(ends.p.mean(axis=0), karcher_mean(ends.q))
     spread_r = float(np.sqrt(np.mean(rotation_distance(ends, mean) ** 2)))
-    bounds = {
-        "approach": (config.approach_m, config.approach_rad),
-        "motion": (config.motion_m, config.motion_rad),
-        "retreat": (config.retreat_m, config.retreat_rad),
-    }[part]
+    bounds = [config.tolerance_m * np.array(_ENDS[part][0]), config.tolerance_rad * np.array(_ENDS[part][1])]
     # one demonstration says nothing about the spread: the upper bound; many take it down
     least_p, least_r = (high / len(paths) for _, high in bounds)
     return float(np.clip(max(spread_p, least_p), *bounds[0])), float(np.clip(max(spread_r, least_r), *bounds[1]))

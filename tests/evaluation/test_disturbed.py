@@ -21,11 +21,10 @@ from symskill_pddl.learning import LearnConfig, learn
 from symskill_pddl.learning.skills import SkillConfig
 from symskill_pddl.library import Library
 from symskill_pddl.planning import Builtin
-from symskill_pddl.skills import FitConfig
 
 pytestmark = pytest.mark.simulation
 
-QUICK = LearnConfig(skills=SkillConfig(fit=FitConfig(components=3, max_fields=2, samples=100)))
+QUICK = LearnConfig(skills=SkillConfig(max_fields=2))
 TASKS = ("PnPCounterToCab", "OpenDrawer", "OpenSingleDoor", "PnPStoveToCounter", "TurnOnStove", "TurnOnSinkFaucet")
 KNOB_2 = "(knob-turned knob-2 stove-2)"
 

@@ -12,10 +12,9 @@ from symskill_pddl.learning import LearnConfig, learn_reported
 from symskill_pddl.learning.endings import complete
 from symskill_pddl.learning.segments import segment
 from symskill_pddl.learning.skills import SkillConfig
-from symskill_pddl.skills import FitConfig
 from symskill_pddl.symbols import Atom
 
-FAST = LearnConfig(skills=SkillConfig(fit=FitConfig(components=2, max_fields=1, samples=40)))
+FAST = LearnConfig(skills=SkillConfig(max_fields=1))
 RECORDINGS = Path(__file__).parents[1] / "data" / "robosuite"
 
 

@@ -11,10 +11,9 @@ from symskill_pddl.errors import LearningError
 from symskill_pddl.geometry import Pose
 from symskill_pddl.learning import LearnConfig, added, learn, learn_reported
 from symskill_pddl.learning.skills import SkillConfig
-from symskill_pddl.skills import FitConfig
 from symskill_pddl.symbols import Atom
 
-FAST = LearnConfig(skills=SkillConfig(fit=FitConfig(components=2, max_fields=1, samples=40)))
+FAST = LearnConfig(skills=SkillConfig(max_fields=1))
 """Coarse fields: what is tested here is not how well they follow."""
 
 RECORDINGS = Path(__file__).parents[1] / "data" / "robosuite"

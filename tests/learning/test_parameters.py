@@ -26,7 +26,7 @@ def test_the_document_holds_them_as_they_are():
         ("predicates.tilt_m_rad", "0.3", "m/rad"),
         ("predicates.joint_shape.prior_rad", "2", "deg"),
         ("operators.odd_of", "3", ""),
-        ("skills.approach_m", "0.004 to 0.008", "m"),
+        ("skills.tolerance_m", "0.004", "m"),
     ],
 )
 def test_values_and_units(name, value, unit):

@@ -4,7 +4,7 @@ import pytest
 from symskill_pddl.geometry import Pose, rotation_distance
 from symskill_pddl.learning import skills
 from symskill_pddl.learning.skills import SkillConfig, _common_length, _direct, learn_skill
-from symskill_pddl.skills import FitConfig, Trajectory, fit_phases
+from symskill_pddl.skills import Trajectory, fit_phases
 
 from .conftest import Symbols, kitchen_demos
 
@@ -34,7 +34,7 @@ def straight(a, b, n=30):
     ],
 )
 def test_phases_frames_and_fingers(groups, name, pattern, closed_at_end):
-    skill, _ = learn_skill(groups[name], SkillConfig(fit=FitConfig(components=2, max_fields=1, samples=40)))
+    skill, _ = learn_skill(groups[name], SkillConfig(max_fields=1))
     seen = [(p.frame, p.close_gripper) for p in skill.phases]
     assert [s for k, s in enumerate(seen) if k == 0 or s != seen[k - 1]] == pattern
     assert skill.close_gripper_at_end is closed_at_end
@@ -67,7 +67,7 @@ def test_only_approaches_have_to_come_in_well_from_anywhere(groups, monkeypatch,
         return fit_phases(*arguments)
 
     monkeypatch.setattr(skills, "fit_phases", recording)
-    learn_skill(groups[name], SkillConfig(fit=FitConfig(components=1, max_fields=1, samples=40, max_stray_m=0.027)))
+    learn_skill(groups[name], SkillConfig(max_fields=1))
     assert set(seen) == stray
 
 
@@ -76,7 +76,7 @@ def test_a_second_approach_is_cut_out():
     twice = np.concatenate(
         [straight([0.3, 0, 0], [0.05, 0, 0]), straight([0.05, 0, 0], [0.2, 0.02, 0]), straight([0.2, 0.02, 0], [0, 0, 0])]
     )
-    out = _direct([*map(path, direct), path(twice)], SkillConfig())
+    out = _direct([*map(path, direct), path(twice)], 0.08)
     distance = np.linalg.norm(out[-1].T_frame_ee.p, axis=-1)
     assert distance[0] > 0.29
     assert np.all(np.diff(distance) < 0.004)
@@ -86,10 +86,10 @@ def test_a_second_approach_is_cut_out():
 
 def test_a_way_round_that_most_take_is_kept():
     round_about = [np.concatenate([straight([0.1, 0, 0], [0.2, 0.2, 0]), straight([0.2, 0.2, 0], [0, 0, 0])]) for _ in range(3)]
-    out = _direct([*map(path, round_about), path(straight([0.3, 0, 0], [0, 0, 0]))], SkillConfig())
+    out = _direct([*map(path, round_about), path(straight([0.3, 0, 0], [0, 0, 0]))], 0.08)
     assert [len(p) for p in out] == [60, 60, 60, 30]
 
 
 def test_retreats_are_cut_to_a_common_length():
-    out = _common_length([path(straight([0, 0, 0], [x, 0, 0])) for x in (0.1, 0.11, 0.4, 0.5)], SkillConfig())
+    out = _common_length([path(straight([0, 0, 0], [x, 0, 0])) for x in (0.1, 0.11, 0.4, 0.5)])
     assert all(0.09 < np.linalg.norm(p.end.p) < 0.13 for p in out)
