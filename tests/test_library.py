@@ -83,6 +83,55 @@ def test_a_crash_before_the_last_write_leaves_the_old_library(library, other, sa
     assert Library.load(saved).operators == library.operators
 
 
+def test_who_reads_while_it_is_replaced_gets_one_of_the_two(library, other, saved, monkeypatch):
+    import symskill_pddl.library_io as module
+
+    real, read = module._read_file, []
+
+    def replaced_in_the_middle(folder, entry):
+        read.append(entry)
+        if len(read) == 2:
+            other.save(saved)
+        return real(folder, entry)
+
+    monkeypatch.setattr(module, "_read_file", replaced_in_the_middle)
+    assert Library.load(saved).operators == other.operators
+
+
+def test_nothing_but_a_library_is_replaced(library, other, saved, tmp_path):
+    with pytest.raises(InputError, match="holds another library already"):
+        other.save(saved, replace=False)
+    library.save(saved, replace=False)
+    assert Library.load(saved).operators == library.operators
+    index = saved / INDEX
+    for text in ('{"name": "of another tool"}', '{"format": "symskill-demos"}', "[]", "not json", "[" * 100_000):
+        index.write_text(text)
+        before = sorted(saved.rglob("*"))
+        with pytest.raises(InputError, match="is not empty and no library"):
+            other.save(saved)
+        assert sorted(saved.rglob("*")) == before
+        assert index.read_text() == text
+
+
+def test_a_library_of_another_version_is_replaced_whole(other, saved):
+    edit(saved, lambda d: d.update(schema_version=99, surprise=1))
+    other.save(saved)
+    assert Library.load(saved).operators == other.operators
+    assert len(list((saved / SKILLS).iterdir())) == len(other.skills)
+
+
+def test_an_index_that_names_files_elsewhere_removes_none_of_them(other, saved, tmp_path):
+    outside = tmp_path / "mine.npz"
+    outside.write_bytes(b"precious")
+
+    def point(document):
+        document["skills"] |= {"x": {"file": "../../mine.npz"}, "y": {"file": str(outside)}, "z": 3, "w": {"file": None}}
+
+    edit(saved, point)
+    other.save(saved)
+    assert outside.read_bytes() == b"precious"
+
+
 def test_negative_conditions_survive(library, saved):
     from dataclasses import replace
 

@@ -52,7 +52,8 @@ def draft(path: str | Path) -> Iterator[Path]:
         temporary, descriptor = _locked_beside(path)
         try:
             if found is not None:
-                os.fchmod(descriptor, stat.S_IMODE(found.st_mode))
+                with contextlib.suppress(OSError):  # some file systems know no permissions
+                    os.fchmod(descriptor, stat.S_IMODE(found.st_mode))
             yield temporary
             if temporary.exists():
                 os.fsync(descriptor)
