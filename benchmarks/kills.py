@@ -98,13 +98,18 @@ class Ground:
             (self.out / name).parent.mkdir(parents=True, exist_ok=True)
             (self.out / name).write_bytes(data)
 
-    def start(self, words: tuple[object, ...]) -> subprocess.Popen[bytes]:
+    def start(self, words: tuple[object, ...], errors: int = subprocess.DEVNULL) -> subprocess.Popen[bytes]:
         program = [sys.executable, "-m", "symskill_pddl.cli", *map(str, words)]
         quiet = subprocess.DEVNULL
-        return subprocess.Popen(program, cwd=self.folder, env=self._environment, stdin=quiet, stdout=quiet, stderr=quiet)
+        return subprocess.Popen(program, cwd=self.folder, env=self._environment, stdin=quiet, stdout=quiet, stderr=errors)
 
-    def run(self, words: tuple[object, ...]) -> int:
-        return self.start(words).wait() if words else 0
+    def run(self, words: tuple[object, ...]) -> str:
+        """The last line of what it said, if it did not end with 0."""
+        if not words:
+            return ""
+        process = self.start(words, subprocess.PIPE)
+        _, said = process.communicate()
+        return "" if process.returncode == 0 else f"exit status {process.returncode}: {said.decode(errors='replace').strip()}"
 
     def content(self) -> dict[str, bytes]:
         return {str(p.relative_to(self.out)): p.read_bytes() for p in sorted(self.out.rglob("*")) if p.is_file()}
@@ -165,8 +170,8 @@ def found_wrong(ground: Ground, subject: Subject, old: Content, new: Content) ->
             subject.check(ground.out)
         except SymSkillError as error:
             yield f"what is there cannot be read: {error}"
-    if status := ground.run(subject.words):
-        yield f"the next run ends with {status}"
+    if said := ground.run(subject.words):
+        yield f"the next run: {said}"
     again = ground.content()
     if different := sorted(name for name in again.keys() | new.keys() if again.get(name) != new.get(name)):
         yield f"after the next run these differ from a run without a kill: {', '.join(different)}"
@@ -180,8 +185,8 @@ def measure(ground: Ground, name: str, subject: Subject, kills: int, draw: rando
     ground.run(subject.old)
     old = ground.content()
     begin = monotonic()
-    if status := ground.run(subject.words):
-        print(f"{name}: does not run, exit status {status}")
+    if said := ground.run(subject.words):
+        print(f"{name}: does not run: {said}")
         return 1
     whole_s, new = monotonic() - begin, ground.content()
     early = wrong = mixed = 0

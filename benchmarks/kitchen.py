@@ -65,7 +65,7 @@ def measure(entry: Entry, folder: Path, scale: float, seed: int, jobs: int) -> M
     def run(name: str, what: str) -> Results:
         asked = suite if not what else without(suite, what)
         print(f"{name}: {len(asked.episodes)} episodes", file=sys.stderr, flush=True)
-        output, known, failed = folder / f"{name}.json", checksum(path), folder / "failed" / name
+        output, known, failed = folder / f"{name}.json", checksum_of(path), folder / "failed" / name
         failed.mkdir(parents=True, exist_ok=True)
         return evaluate(Library.load, path, asked, output, checksum=known, pool=Processes(jobs), failed=failed, keep=True)
 

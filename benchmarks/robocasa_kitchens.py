@@ -149,7 +149,7 @@ def main() -> None:
     chosen = [task for task in TASKS if args.only is None or task in args.only]
     ready = [task for task in chosen if {name for name, _ in TASKS[task].goals} <= recorded]
     path = library(args.folder)
-    known = checksum(path)
+    known = checksum_of(path)
     shown = Counter(demo.task for file in sorted(DEMOS.glob("*.hdf5")) for demo in load_demos(file))
     of = f"One library, learned from {min(shown.values())} to {max(shown.values())} demonstrations of each task."
     call = f"python benchmarks/robocasa_kitchens.py --trials {args.trials} --seed {args.seed}"

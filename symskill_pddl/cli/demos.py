@@ -179,7 +179,7 @@ def show(
         if picture is not None:
             from symskill_pddl.cli.picture import draw_predicate
 
-            draw_predicate(learned, why, checked_output(picture, DRAWING, force=force))
+            draw_predicate(learned, why, checked_output(picture, DRAWING, force=force, inputs=[library]))
             remark(f"{picture}: drawn")
         reasons = reasons_of(learned, why)
         if json:

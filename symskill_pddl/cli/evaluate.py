@@ -75,7 +75,7 @@ def evaluate(
         raise InputError(f"--against names a mechanism twice: {', '.join(mechanisms)}")
     others = {mechanism: without(asked, mechanism) for mechanism in mechanisms}
     pool: Pool = Processes(1 if jobs is None else jobs) if ray is None else Ray(ray, jobs or 0)
-    options.output(output, RESULTS, force=force, inputs=[domain])
+    options.output(output, RESULTS, force=force, inputs=[domain, library])
     work.open_edited(library, domain)
     run = partial(_run, library, domain, pool=pool, force=force)
     results = run(asked, output, "", keep_failed, keep=bool(others))
@@ -110,12 +110,13 @@ def _run(
 ) -> Results:
     from symskill_pddl.evaluation.resumable import evaluate as run
 
-    file = options.output(output, RESULTS, force=force, inputs=[domain])
     if failed is not None:
         make_folder(failed)
+    file = options.output(output, RESULTS, force=force, inputs=[domain, library])
+    if failed is not None:
         for task, seed in suite.episodes:
             options.output(failed / f"{task}-{seed}.jsonl", TRACE, force=force)
-    count = len(suite.episodes)
+    count, checksum = len(suite.episodes), work.checksum_of(library, domain)
     with progress(f"{count} episodes{what}", total=count) as advance:
 
         def start(before: int) -> None:
@@ -128,11 +129,11 @@ def _run(
             advance.remark(f"{task} {episode.seed}: {episode.category} ({episode.time_s:.0f} s)")
 
         return run(
-            partial(work.open_edited, domain=domain),
+            partial(work.open_unchanged, domain=domain, checksum=checksum),
             library,
             suite,
             file,
-            checksum=work.checksum(library, domain),
+            checksum=checksum,
             pool=pool,
             failed=failed,
             keep=keep,

@@ -58,7 +58,7 @@ def run(
     arena = ready(world, task)
     for spec in disturb or ():
         arena.check_disturbance(spec)
-    kept = options.output(trace, TRACE, force=force, inputs=[domain, problem]) if trace is not None else None
+    kept = options.output(trace, TRACE, force=force, inputs=[library, domain, problem]) if trace is not None else None
     learned, engine, posed = work.open_library(library), get(planner or "auto"), None
     if domain is not None:
         learned, written, comparison = work.edit(learned, domain)
@@ -69,7 +69,7 @@ def run(
         episode = prepare(learned, task, seed, world=world, goal=goal, posed=posed, disturbances=disturb or ())
     for note in episode.notes:
         remark(note)
-    checksum = work.checksum(library, domain)
+    checksum = work.checksum_of(library, domain)
     config = work.execution_config(
         no_resampling=no_resampling, no_replanning=no_replanning, no_tracking=no_tracking, no_obstacles=no_obstacles
     )

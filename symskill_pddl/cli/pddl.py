@@ -35,7 +35,7 @@ def export(
         domain, files = work.exported_domain(learned, folder, name, form, renamed, strict=strict)
         made += files
         told.append(f"{folder / 'domain.pddl'}: {len(domain.predicates)} predicates, {len(domain.operators)} actions ({form})")
-    work.write_all(made, force=force, inputs=[names])
+    work.write_all(made, force=force, inputs=[library, names])
     for line in told:
         remark(line)
 
@@ -57,7 +57,7 @@ def problem(
 
     ready(world, task)
     learned = work.open_library(library)
-    options.output(output, PROBLEM, force=force, inputs=[names])
+    options.output(output, PROBLEM, force=force, inputs=[library, names])
     with progress(f"setting up {task}, seed {seed}"):
         episode = prepare(learned, task, seed, world=world, goal=goal, domain_name=name)
     header = [f"task {task}, seed {seed}"]
@@ -70,7 +70,7 @@ def problem(
     made: list[work.File] = []
     for form, folder in work.forms(episode.domain, dialect, output.parent):
         made += work.exported_problem(episode.problem, episode.domain, folder / output.name, form, renamed, header)
-    work.write_all(made, force=force, inputs=[names])
+    work.write_all(made, force=force, inputs=[library, names])
     remark(f"{output}: {len(episode.problem.objects)} objects, goal {' '.join(str(a) for a in sorted(episode.problem.goal))}")
 
 

@@ -84,7 +84,7 @@ def quickstart(
     disturbances = disturb or [DISTURBANCE.format(max(0, len(plan) // 2 - 1))]
     # same task, same seed: the same episode, now with something going wrong
     episode = prepare(library, task, seed, world=WORLD, disturbances=disturbances, domain_name=WORLD)
-    checksum = work.checksum(output / "library")
+    checksum = work.checksum_of(output / "library")
     trace, page = output / "trace.jsonl", output / "report.html"
     with filmed(episode.world, video, WORLD) as film:
         kept = places[trace.name]

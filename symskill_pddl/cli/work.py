@@ -278,6 +278,14 @@ def open_edited(path: Path, domain: Path | None) -> Library:
     return open_library(path) if domain is None else edit(open_library(path), domain)[0]
 
 
+def open_unchanged(path: Path, domain: Path | None, checksum: str) -> Library:
+    """As `open_edited`, if it is still the library and the domain of that checksum."""
+    library = open_edited(path, domain)
+    if checksum_of(path, domain) != checksum:
+        raise InputError(f"'{path}' is not the library any more that it was when this began; begin anew")
+    return library
+
+
 def edit(library: Library, path: Path) -> tuple[Library, Domain, Comparison]:
     """The library under an edited domain, the domain as it stands in the file, and what was changed.
 
@@ -312,7 +320,7 @@ def execution_config(*, no_resampling: bool, no_replanning: bool, no_tracking: b
     return ExecutionConfig(resample=not no_resampling, replan=not no_replanning, motion=motion)
 
 
-def checksum(folder: Path, domain: Path | None = None) -> str:
+def checksum_of(folder: Path, domain: Path | None = None) -> str:
     """Tells one library from another: of library.json, which holds the checksums of all other files, and of an edited domain."""
     from hashlib import sha256
 

@@ -92,7 +92,7 @@ class Replace(enum.Enum):
 class Output:
     """A file that is going to be written: checked when this is made, so that no work is done for nothing, and again at the end.
 
-    `inputs` are what the same command reads.
+    `inputs` are the files and folders that the same command reads.
 
     Raises
     ------
@@ -109,7 +109,7 @@ class Output:
         found = check_place(self.path)
         if found is None:
             return
-        if any(p.exists() and p.samefile(self.path) for p in self.inputs):
+        if any(self._is_part_of(p) for p in self.inputs if p.exists()):
             raise InputError(f"cannot write '{self.path}': it is read by the same command; choose another name")
         if not found.st_size or self.replace is Replace.ANYTHING:
             return
@@ -121,6 +121,11 @@ class Output:
                 f"'{self.path}' is there already and is no {self.kind.name} that symskill wrote{edited}: "
                 "choose another name, or replace it with --force"
             )
+
+    def _is_part_of(self, read: Path) -> bool:
+        """Whether it is that file, or a file in that folder which this program did not write there as an output."""
+        inside = read.is_dir() and self.path.resolve().is_relative_to(read.resolve())
+        return read.samefile(self.path) or (inside and not self.kind.wrote(self.path))
 
     @contextmanager
     def draft(self) -> Iterator[Path]:

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from symskill_pddl.cli import work
+from symskill_pddl.errors import InputError
 from symskill_pddl.execution.lines import Header
 from symskill_pddl.execution.trace import TraceWriter
 from symskill_pddl.library import Library
@@ -223,6 +224,27 @@ def test_an_edited_domain_is_not_exported_over(symskill: Program, library: Path,
     assert (done.status, "is no domain that symskill wrote, or was edited since" in done.error) == (2, True)
     assert tree(tmp_path) == edited
     assert not (tmp_path / "temporal").exists()
+
+
+def test_a_library_that_is_read_is_not_written_over(symskill: Program, toy: Path) -> None:
+    index = toy / "library.json"
+    before = index.read_bytes()
+    for call in (
+        ("problem", toy, "--task", "StoreIt", "-o", index),
+        ("run", toy, "--task", "StoreIt", "--trace", index),
+        ("evaluate", toy, "--tasks", "OpenUp", "-o", index),
+    ):
+        done = symskill(*call, *WORLD, "--force")
+        assert (done.status, "it is read by the same command" in done.error) == (2, True)
+    assert index.read_bytes() == before
+
+
+def test_a_library_that_changes_while_it_is_evaluated(symskill: Program, toy: Path, tmp_path: Path) -> None:
+    first = work.checksum_of(toy)
+    assert work.open_unchanged(toy, None, first) is not None
+    (toy / "library.json").write_bytes((toy / "library.json").read_bytes() + b" ")
+    with pytest.raises(InputError, match="is not the library any more that it was when this began"):
+        work.open_unchanged(toy, None, first)
 
 
 def test_results_of_another_evaluation_stay(symskill: Program, toy: Path, tmp_path: Path) -> None:

@@ -41,6 +41,17 @@ def test_what_the_command_reads_is_never_replaced(tmp_path):
             Output(path, DOMAIN, replace, (tmp_path / "none", twin))
 
 
+def test_a_file_in_a_folder_that_the_command_reads_is_replaced_only_if_it_is_ours(tmp_path):
+    path, folder = tmp_path / "library" / "library.json", tmp_path / "library"
+    folder.mkdir()
+    path.write_bytes(b"precious")
+    with pytest.raises(InputError, match=r"library.json': it is read by the same command"):
+        Output(path, TRACE, Replace.ANYTHING, (folder,))
+    path.write_bytes(HEADER)
+    Output(path, TRACE, Replace.OURS, (folder,)).write(HEADER)
+    Output(folder / "new", TRACE, Replace.OURS, (folder,)).write(HEADER)
+
+
 def test_what_comes_in_between_is_not_replaced(tmp_path):
     output = Output(tmp_path / "a", TRACE)
     output.path.write_bytes(b"somebody's")
