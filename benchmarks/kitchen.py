@@ -18,13 +18,13 @@ from pathlib import Path
 from kitchen_page import Measured, page
 from kitchen_suites import Entry, entries
 
-from symskill_pddl.cli.work import checksum
+from symskill_pddl.cli.work import checksum_of
 from symskill_pddl.demos import load_demos
 from symskill_pddl.evaluation.ablations import without
 from symskill_pddl.evaluation.results import Results
 from symskill_pddl.evaluation.resumable import evaluate
 from symskill_pddl.evaluation.spread import Processes
-from symskill_pddl.files import write_atomic
+from symskill_pddl.files import RESULTS, Output, Replace, write_atomic
 from symskill_pddl.kitchen import TASKS
 from symskill_pddl.learning import learn_reported
 from symskill_pddl.library import Library
@@ -65,9 +65,11 @@ def measure(entry: Entry, folder: Path, scale: float, seed: int, jobs: int) -> M
     def run(name: str, what: str) -> Results:
         asked = suite if not what else without(suite, what)
         print(f"{name}: {len(asked.episodes)} episodes", file=sys.stderr, flush=True)
-        output, known, failed = folder / f"{name}.json", checksum_of(path), folder / "failed" / name
+        output, failed = Output(folder / f"{name}.json", RESULTS, Replace.ANYTHING), folder / "failed" / name
         failed.mkdir(parents=True, exist_ok=True)
-        return evaluate(Library.load, path, asked, output, checksum=known, pool=Processes(jobs), failed=failed, keep=True)
+        return evaluate(
+            Library.load, path, asked, output, checksum=checksum_of(path), pool=Processes(jobs), failed=failed, keep=True
+        )
 
     found = Measured(entry, run(entry.name, ""))
     for mechanism in entry.against:

@@ -15,14 +15,14 @@ from collections import Counter
 from hashlib import sha256
 from pathlib import Path
 
-from symskill_pddl.cli.work import checksum
+from symskill_pddl.cli.work import checksum_of
 from symskill_pddl.demos import load_demos
 from symskill_pddl.evaluation.results import EpisodeResult
 from symskill_pddl.evaluation.resumable import evaluate
 from symskill_pddl.evaluation.spread import Processes
 from symskill_pddl.evaluation.statistics import mcnemar, median, wilson
 from symskill_pddl.evaluation.suite import Suite
-from symskill_pddl.files import write_atomic
+from symskill_pddl.files import RESULTS, Output, Replace, write_atomic
 from symskill_pddl.learning import learn
 from symskill_pddl.library import Library
 from symskill_pddl.robocasa.tasks import TASKS
@@ -168,7 +168,7 @@ def main() -> None:
                     Library.load,
                     path,
                     suite,
-                    args.folder / f"{name}.json",
+                    Output(args.folder / f"{name}.json", RESULTS, Replace.ANYTHING),
                     checksum=known,
                     pool=Processes(args.jobs),
                     failed=failed,

@@ -96,11 +96,11 @@ def call(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) ->
 def desk(tmp_path: Path, call: Callable[..., tuple[int, str, str]]) -> Callable[..., Desk]:
     def export(dialect: str = "strips") -> Desk:
         domain = LIBRARY.domain("learned")
-        work.export_domain(LIBRARY, tmp_path, "learned", dialect, {})
+        work.write_all(work.exported_domain(LIBRARY, tmp_path, "learned", dialect, {})[1], force=False)
         init = abstract(FakeWorld().observe(), LIBRARY.classifiers, gripper=LIBRARY.gripper)
         goal = atoms("food-in-cabinet cheese cabinet")
         problem = Problem("cheese", "learned", tuple(OBJECTS.items()), init, goal)
-        work.export_problem(problem, domain, tmp_path / "problem.pddl", dialect, {}, ())
+        work.write_all(work.exported_problem(problem, domain, tmp_path / "problem.pddl", dialect, {}, ()), force=False)
         return Desk(tmp_path, call)
 
     return export
