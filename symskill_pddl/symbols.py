@@ -270,6 +270,8 @@ class Plan:
 
     steps: tuple[tuple[str, tuple[str, ...]], ...] = ()
     cost: float | None = field(default=None, compare=False)
+    times: tuple[tuple[float, float | None], ...] | None = field(default=None, compare=False)
+    """Start and duration [s] of each step, where the plan said them."""
 
     def ground(self, domain: Domain, objects: Mapping[str, str]) -> tuple[GroundOperator, ...]:
         return tuple(domain.ground(domain.operator(name), args, objects) for name, args in self.steps)

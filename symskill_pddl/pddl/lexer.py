@@ -1,6 +1,7 @@
 """From PDDL text to nested groups of words, each with its line and column.
 
-PDDL is case-insensitive, so words come out in lower case. A comment runs from ';' to the end of the line.
+PDDL is case-insensitive, so words come out in lower case. A comment runs from ';' to the end of the line. A '?' begins a
+variable, with or without a blank before it; the mark that some editors put before the first byte of a text is none of it.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 
 from symskill_pddl.errors import ParseError
 
-_TOKEN = re.compile(r";[^\n]*|[()]|[^\s();]+")
+_TOKEN = re.compile(r";[^\n]*|[()]|\??[^\s();?]+|\?")
 _DEPTH = 100
 """No PDDL that a person or a planner writes is nested as deeply."""
 _WORD = re.compile(r"[a-z0-9_?:=.+*/<>#@%!-]+")
@@ -50,7 +51,7 @@ Node = Word | Group
 
 
 def _tokens(text: str, source: str) -> Iterator[Word]:
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(text.removeprefix("\ufeff").splitlines(), start=1):
         for match in _TOKEN.finditer(line):
             token, column = match.group().lower(), match.start() + 1
             if token.startswith(";"):

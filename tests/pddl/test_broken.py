@@ -95,11 +95,11 @@ MISTAKES = {
     "a section twice": at(r"\(:predicates", "(:predicates) (:predicates"),
     "a name declared twice": at(rf"^\s+\(({WORD})(?: \?|\)$)", lambda w: f"{w}) ({w}", 1, "declarations"),
     "an action twice": twice,
-    "something of another PDDL": at(r":effect \(and", ":effect (and (when (and) (and))"),
+    "something of another PDDL": at(r":effect \(and", ":effect (and (assign (fuel) 1)"),
     "a disjunction": at(r":(?:pre)?condition \(and", lambda w: w.replace("(and", "(or")),
     "a word where a group belongs": at(r":parameters (?=\()", ":parameters none "),
     "no word where one belongs": at(rf"\(:(?:durative-)?action ({WORD})", "()", 1),
-    "a requirement that we do not know": at(r":strips", ":strips :fluents"),
+    "a requirement that we do not know": at(r":strips", ":strips :telepathy"),
     "something after the end": lambda text, rng: (text + rng.choice(["(define)", "end", "(", ")"]), None),
 }
 PROBLEM_MISTAKES = {
@@ -111,7 +111,6 @@ PROBLEM_MISTAKES = {
     "an object twice": at(rf"^\s+({WORD}) -", lambda w: f"{w} {w}", 1),
     "another domain": at(r"\(:domain (\w+)", lambda w: w + "x", 1),
     "no goal": at(r"\(:goal", "(:init"),
-    "a negative fact": at(rf"^\s+(\({WORD}[^()]*\))", lambda w: f"(not {w})", 1, "init"),
     "a parenthesis too few": at(r"\)", ""),
     "a parenthesis too many": at(r"\)", "))"),
     "the end is missing": cut_off,
