@@ -16,12 +16,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from symskill_pddl.demos.recorded import Recorded, check_one_arm, commanded_closed, finite, times_of
+from symskill_pddl.demos.gripper import Convention
+from symskill_pddl.demos.importing import HOW, ImportConfig, Remark, each, warn
+from symskill_pddl.demos.recorded import Recorded, check_one_arm, finite, times_of
 from symskill_pddl.errors import FormatError, InputError, MissingDependencyError, alternatives
 from symskill_pddl.geometry import Array
 
 T = TypeVar("T")
-HOW = "pip install 'symskill-pddl[lerobot]'"
+INSTALL = "pip install 'symskill-pddl[lerobot]'"
 
 
 def is_lerobot(path: str | Path) -> bool:
@@ -29,7 +31,9 @@ def is_lerobot(path: str | Path) -> bool:
     return (Path(path) / "meta" / "info.json").is_file()
 
 
-def read_lerobot(path: str | Path, make: Callable[[Recorded], T]) -> tuple[T, ...]:
+def read_lerobot(
+    path: str | Path, make: Callable[[Recorded], T], config: ImportConfig | None = None, remark: Remark = warn
+) -> tuple[T, ...]:
     """Apply `make` to each episode of a dataset, in order, one in memory at a time.
 
     Parameters
@@ -38,6 +42,10 @@ def read_lerobot(path: str | Path, make: Callable[[Recorded], T]) -> tuple[T, ..
         The dataset's folder, with ``meta``, ``data`` (one parquet file for each episode, as of version 2, or for many, as of
         version 3) and ``extras``.
     make : callable
+    config : ImportConfig, optional
+        Which episodes: ``demo_3`` is ``episode_000003``.
+    remark : callable
+        Is told what is left out.
 
     Raises
     ------
@@ -54,7 +62,8 @@ def read_lerobot(path: str | Path, make: Callable[[Recorded], T]) -> tuple[T, ..
     episodes = sorted((folder / "extras").glob("episode_*"))
     if not episodes:
         raise InputError(
-            f"'{folder}': no extras/episode_000000: only datasets with a simulator's states, such as RoboCasa's, can be imported"
+            f"'{folder}' is a LeRobot dataset without poses of objects (RoboCasa's have them in "
+            f"extras/episode_000000): pictures and joint angles do not say where things are; {HOW}"
         )
     for extras in episodes:
         if not extras.name.removeprefix("episode_").isdecimal():
@@ -63,7 +72,9 @@ def read_lerobot(path: str | Path, make: Callable[[Recorded], T]) -> tuple[T, ..
     if not isinstance(env, dict) or not isinstance(env.get("env_kwargs", {}), dict):
         raise FormatError(f"'{folder}': extras/dataset_meta.json: env_args has to be a JSON object")
     column = _gripper_column(folder)
-    return tuple(make(_episode(folder, extras, env, column)) for extras in episodes)
+    by_name = {f"demo_{int(extras.name.removeprefix('episode_'))}": extras for extras in episodes}
+    chosen = (config or ImportConfig()).chosen(tuple(by_name), {}, f"'{folder}'")
+    return each(chosen, lambda name: make(_episode(folder, by_name[name], env, column)), f"'{folder}'", remark)
 
 
 def _episode(folder: Path, extras: Path, env: dict[str, Any], column: int) -> Recorded:
@@ -98,7 +109,8 @@ def _episode(folder: Path, extras: Path, env: dict[str, Any], column: int) -> Re
         meta=_json(extras / "ep_meta.json"),
         xml=xml,
         states=states,
-        closed=commanded_closed(actions[:, column]),
+        actions=actions,
+        convention=Convention(column),
         times=times_of(states[:, 0], env, fail),
     )
 
@@ -110,7 +122,7 @@ def _actions(folder: Path, index: int, fail: Callable[[str], FormatError]) -> Ar
         import pyarrow.parquet as parquet
         from pyarrow import ArrowException
     except ImportError as error:
-        raise MissingDependencyError(f"LeRobot datasets are read with pyarrow: {HOW} ({error})") from error
+        raise MissingDependencyError(f"LeRobot datasets are read with pyarrow: {INSTALL} ({error})") from error
     own = sorted(folder.glob(f"data/*/episode_{index:06d}.parquet"))
     shared = [] if own else sorted(folder.glob("data/*/file-*.parquet"))
     found = []
@@ -129,7 +141,8 @@ def _actions(folder: Path, index: int, fail: Callable[[str], FormatError]) -> Ar
 def _gripper_column(folder: Path) -> int:
     """Which number of an action closes the gripper."""
     actions = _json(folder / "meta" / "modality.json").get("action", {})
-    start = actions.get("gripper_close", {}).get("start") if isinstance(actions, dict) else None
+    gripper = actions.get("gripper_close") if isinstance(actions, dict) else None
+    start = gripper.get("start") if isinstance(gripper, dict) else None
     if not isinstance(start, int) or start < 0:
         names = alternatives(actions) if isinstance(actions, dict) else "none"
         raise FormatError(f"'{folder}': meta/modality.json: no action.gripper_close.start; its actions are: {names}")

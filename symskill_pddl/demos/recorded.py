@@ -15,7 +15,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from symskill_pddl.demos.demo import BoolArray
-from symskill_pddl.demos.hdf5 import natural_key
+from symskill_pddl.demos.gripper import Convention
+from symskill_pddl.demos.hdf5 import FORMAT, natural_key
+from symskill_pddl.demos.importing import HOW, ImportConfig, Remark, each, no_hdf5, task_name, warn
 from symskill_pddl.errors import FormatError, InputError, alternatives
 from symskill_pddl.geometry import Array
 
@@ -24,6 +26,8 @@ T = TypeVar("T")
 DEFAULT_CONTROL_HZ = 20.0
 ARM_ACTION = 6
 """Numbers of an action that move the end effector; where the arm stands on a base that drives, the gripper's follows them."""
+OLD_GRIPPER, OLD_MIDDLE = "gripper_actuations", -0.5
+"""What robosuite 0.x calls the gripper's commands: -1 opens, 0 and 1 close."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,12 +48,16 @@ class Recorded:
         The model.
     states : ndarray (n, 1 + nq + nv)
         Time, joint positions, joint velocities.
-    closed : ndarray of bool (n,)
-        What the fingers were commanded to do.
+    actions : ndarray (n, m)
+        What the robot was commanded to do.
+    convention : Convention
+        Which of their columns is the gripper's in this layout, and how it is read.
     times : ndarray (n,)
         Seconds from the first state.
     kept : dict
         Attributes for the demonstration.
+    problem : dict
+        LIBERO's description of the task, or nothing.
     """
 
     where: str
@@ -59,9 +67,28 @@ class Recorded:
     meta: Mapping[str, Any]
     xml: str
     states: Array
-    closed: BoolArray
+    actions: Array
+    convention: Convention
     times: Array
     kept: Mapping[str, str | int | float] = field(default_factory=dict)
+    problem: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def closed(self) -> BoolArray:
+        """What the fingers were commanded to do (n,), if they were told as this layout tells them."""
+        return self.convention.closed(self.actions)
+
+    @property
+    def task(self) -> str:
+        """What was shown: the language instruction, else the environment's name."""
+        return task_name(self.lang) or str(self.env["env_name"])
+
+    @property
+    def lang(self) -> str:
+        """The language instruction, if there is one: RoboCasa's and MimicGen's, or LIBERO's."""
+        found = [self.meta.get("lang"), self.problem.get("language_instruction")]
+        texts = ["".join(text) if isinstance(text, list) and all(isinstance(t, str) for t in text) else text for text in found]
+        return next((text for text in texts if isinstance(text, str) and text.strip()), "")
 
     def fail(self, message: str) -> FormatError:
         """An error about this episode."""
@@ -73,23 +100,29 @@ class Recorded:
             raise self.fail(f"states have {self.states.shape[1]} numbers, the model needs {size} (time, positions, velocities)")
 
 
-def read_recording(path: str | Path, make: Callable[[Recorded], T]) -> tuple[T, ...]:
+def read_recording(
+    path: str | Path, make: Callable[[Recorded], T], config: ImportConfig | None = None, remark: Remark = warn
+) -> tuple[T, ...]:
     """Apply `make` to each episode of a robosuite or robomimic recording, sorted by name, one in memory at a time.
 
     Parameters
     ----------
     path : str or Path
-        HDF5 with ``data/demo_*/{states, actions}``. The model XML is the demonstration's attribute ``model_file``, or, in old
-        recordings, a file of that name: beside the recording, in ``models/`` there, or with the recording's stem in front
-        (``lift.hdf5``: ``lift_model_1.xml``).
+        HDF5 with ``data/demo_*/{states, actions}``, or ``gripper_actuations`` in place of actions (robosuite 0.x). The model XML
+        is the demonstration's attribute ``model_file``, or, in old recordings, a file of that name: beside the recording, in
+        ``models/`` there, or with the recording's stem in front (``lift.hdf5``: ``lift_model_1.xml``).
     make : callable
+    config : ImportConfig, optional
+        Which episodes.
+    remark : callable
+        Is told what is left out.
 
     Raises
     ------
     InputError
-        If the file does not exist or its model is missing.
+        If the file does not exist, an episode that is asked for is not there, or its model is missing.
     FormatError
-        If the file is damaged or is no such recording.
+        If the file is damaged or is no such recording, or no episode of it can be used.
     """
     import h5py
 
@@ -97,17 +130,22 @@ def read_recording(path: str | Path, make: Callable[[Recorded], T]) -> tuple[T, 
     if not path.is_file():
         raise InputError(
             f"'{path}' {'is a folder without meta/info.json' if path.is_dir() else 'does not exist'}; "
-            "expected an HDF5 recording of robosuite, robomimic or RoboCasa, or the folder of a LeRobot dataset"
+            "expected an HDF5 recording of robosuite, robomimic, RoboCasa or Isaac Lab, or the folder of a LeRobot dataset"
         )
+    if (foreign := no_hdf5(path)) is not None:
+        raise foreign
     try:
         with h5py.File(path, "r") as file:
             data = file.get("data")
-            if not isinstance(data, h5py.Group) or not any(isinstance(data[k], h5py.Group) for k in data):
+            names = sorted((str(k) for k in data if isinstance(data[k], h5py.Group)), key=natural_key) if _is_group(data) else []
+            if not names:
                 raise FormatError(
-                    f"'{path}': data: no demonstrations (data/demo_1, ...); the file has: {alternatives(map(str, file))}"
+                    f"'{path}': data: no demonstrations (data/demo_1, ...); the file has: {alternatives(map(str, file))}; {HOW}"
                 )
-            names = sorted((str(k) for k in data if isinstance(data[k], h5py.Group)), key=natural_key)
-            return tuple(make(_Group(path, data, name).recorded()) for name in names)
+            if data.attrs.get("format") == FORMAT:
+                raise InputError(f"'{path}' holds demonstrations already: learn from them with 'symskill learn'")
+            chosen = (config or ImportConfig()).chosen(names, filter_keys(file), f"'{path}'")
+            return each(chosen, lambda name: make(_Group(path, data, name).recorded()), f"'{path}'", remark)
     except InputError:
         raise
     except PermissionError as error:
@@ -115,6 +153,26 @@ def read_recording(path: str | Path, make: Callable[[Recorded], T]) -> tuple[T, 
     except (OSError, RuntimeError, KeyError, ValueError, TypeError, UnicodeError, OverflowError, MemoryError) as error:
         reason = " ".join(str(error).split())[:160]
         raise FormatError(f"'{path}' is not a readable HDF5 file (damaged or truncated): {reason}") from error
+
+
+def _is_group(data: Any) -> bool:
+    import h5py
+
+    return isinstance(data, h5py.Group)
+
+
+def filter_keys(file: Any) -> dict[str, tuple[str, ...]]:
+    """Lists of episodes by name: robomimic's ``mask``, of an open HDF5 file."""
+    import h5py
+
+    mask = file.get("mask")
+    if not isinstance(mask, h5py.Group):
+        return {}
+    lists = {str(key): mask[key][...].ravel().tolist() for key in mask if isinstance(mask[key], h5py.Dataset)}
+    return {
+        key: tuple(entry.decode("utf-8") if isinstance(entry, bytes) else str(entry) for entry in entries)
+        for key, entries in lists.items()
+    }
 
 
 class _Group:
@@ -132,11 +190,10 @@ class _Group:
         env.setdefault("env_name", str(self.attributes.get("env") or "unknown"))
         check_one_arm(env, self.fail)
         xml = self._model_xml()
-        states, actions = self._array("states"), self._array("actions")
+        states = self._array("states")
+        actions, convention = self._actions(xml)
         if len(actions) != len(states):
             raise self.fail(f"{len(actions)} actions do not match {len(states)} states")
-        # on a base that drives, the last numbers are for that
-        gripper = ARM_ACTION if re.search(r"name=\"mobile_?base0_", xml) and actions.shape[1] > ARM_ACTION else -1
         kept: dict[str, str | int | float] = {}
         for ours, theirs in (("env_version", "repository_version"), ("recorded_on", "date")):
             if isinstance(value := self.attributes.get(theirs), str):
@@ -149,10 +206,21 @@ class _Group:
             meta=self._json("ep_meta"),
             xml=xml,
             states=states,
-            closed=commanded_closed(actions[:, gripper]),
+            actions=actions,
+            convention=convention,
             times=times_of(states[:, 0], env, self.fail),
             kept=kept,
+            problem=self._json("problem_info"),
         )
+
+    def _actions(self, xml: str) -> tuple[Array, Convention]:
+        """Actions, and where the gripper is in them."""
+        if "actions" not in self.group and OLD_GRIPPER in self.group:
+            return self._array(OLD_GRIPPER), Convention(0, OLD_MIDDLE)
+        actions = self._array("actions")
+        # on a base that drives, the last numbers are for that
+        mobile = re.search(r"name=\"mobile_?base0_", xml) and actions.shape[1] > ARM_ACTION
+        return actions, Convention(ARM_ACTION if mobile else actions.shape[1] - 1)
 
     def _json(self, key: str) -> dict[str, Any]:
         """An attribute that is a JSON object (robomimic's `env_args`, robosuite's `env_info`, RoboCasa's `ep_meta`); or {}."""
@@ -172,7 +240,8 @@ class _Group:
             model = model.decode("utf-8")
         if not isinstance(model, str) or not model.strip():
             raise self.fail(
-                "has no attribute 'model_file': without the model's XML its states cannot be read; export the states file with it"
+                "has no attribute 'model_file': without the model's XML its states cannot be read; files of observations "
+                f"lack it, the file that they were made from (demo.hdf5) has it; {HOW}"
             )
         if model.lstrip().startswith("<"):
             return str(model)
@@ -194,7 +263,9 @@ class _Group:
         dataset = self.group.get(name)
         if not isinstance(dataset, h5py.Dataset):
             raise self.fail(f"there is no dataset '{name}'; it has: {alternatives(map(str, self.group))}")
-        if dataset.ndim != 2 or dataset.shape[0] < 2 or dataset.shape[1] < 1 or dataset.dtype.kind not in "fiu":
+        if dataset.ndim == 2 and dataset.shape[0] < 2:
+            raise self.fail(f"it has {dataset.shape[0]} samples, a demonstration needs at least 2")
+        if dataset.ndim != 2 or dataset.shape[1] < 1 or dataset.dtype.kind not in "fiu":
             raise self.fail(f"'{name}' has to be numbers (n >= 2, m >= 1), found {dataset.dtype} {dataset.shape}")
         return finite(name, np.asarray(dataset[...], dtype=np.float64), self.fail)
 
@@ -225,9 +296,3 @@ def times_of(recorded: Array, env: Mapping[str, Any], fail: Callable[[str], Form
     if not isinstance(rate, int | float) or not rate > 0:
         raise fail(f"control_freq has to be a positive number of hertz, found {rate!r}")
     return np.arange(len(recorded)) / float(rate)
-
-
-def commanded_closed(command: Array) -> BoolArray:
-    """The gripper's commanded state (n,) from robosuite's gripper action (n,): > 0 closes, < 0 opens, 0 holds; open at first."""
-    last = np.maximum.accumulate(np.where(command != 0, np.arange(len(command)), -1))
-    return np.asarray((last >= 0) & (command[np.maximum(last, 0)] > 0))

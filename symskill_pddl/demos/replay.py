@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from symskill_pddl.demos.fingers import Fingers
 from symskill_pddl.errors import FormatError, MissingDependencyError
 from symskill_pddl.geometry import Array, Pose
 
@@ -128,8 +129,12 @@ class KinematicModel:
         except ValueError as error:
             raise FormatError(f"the model does not compile: {' '.join(str(error).split())}") from None
         self.data = mujoco.MjData(self.model)
-        self._site, self._fingers, self._robot = self._find_gripper()
-        self._R_site_ee = self._finger_frame()
+        self._site, joints, moved, self._robot = self._find_gripper()
+        mujoco.mj_kinematics(self.model, self.data)
+        self._fingers = Fingers(self.model, self.data, self._site, joints, moved)
+        y, z = self._fingers.opening, np.array([0.0, 0.0, 1.0])
+        # z is the site's: out of the hand
+        self._R_site_ee = np.stack([np.cross(y, z), y, z], axis=1)
         self.objects = self._find_objects()
 
     @property
@@ -146,19 +151,20 @@ class KinematicModel:
         """Frames at the recorded `states` (n, 1 + nq + nv)."""
         n, m = len(states), len(self.objects)
         p_ee, R_ee = np.empty((n, 3)), np.empty((n, 3, 3))
-        p, q = np.empty((n, m, 3)), np.empty((n, m, 4))
+        p, q, aperture = np.empty((n, m, 3)), np.empty((n, m, 4)), np.empty(n)
         for i, state in enumerate(states):
             self.pose(state)
+            aperture[i] = self._fingers.aperture()
             p_ee[i] = self.data.site_xpos[self._site]
             R_ee[i] = self.data.site_xmat[self._site].reshape(3, 3) @ self._R_site_ee
             for k, tracked in enumerate(self.objects):
                 q[i, k] = self.data.xquat[tracked.body]  # a top site is not turned against its body
                 p[i, k] = self.data.xpos[tracked.body] if tracked.site < 0 else self.data.site_xpos[tracked.site]
-        return Replayed(Pose(p_ee, Pose.from_matrix(_homogeneous(R_ee)).q), self.aperture(states), Pose(p, q))
+        return Replayed(Pose(p_ee, Pose.from_matrix(_homogeneous(R_ee)).q), aperture, Pose(p, q))
 
-    def aperture(self, states: Array) -> Array:
-        """Opening between the fingers (n,) at recorded states (n, 1 + nq + nv) [m]."""
-        return np.asarray(np.abs(states[:, [1 + self.model.jnt_qposadr[j] for j in self._fingers]]).sum(axis=1))
+    def aperture(self) -> float:
+        """Opening between the fingers in the present state [m]."""
+        return self._fingers.aperture()
 
     def pose(self, state: Array) -> None:
         """Put `data` into a recorded state (1 + nq + nv,): where things are, nothing else."""
@@ -178,8 +184,8 @@ class KinematicModel:
             body = int(self.model.body_parentid[body])
         return chain
 
-    def _find_gripper(self) -> tuple[int, list[int], int]:
-        """The grip site, its finger joints, and the robot's top body."""
+    def _find_gripper(self) -> tuple[int, list[int], list[int], int]:
+        """The grip site, the joints that move its fingers and the bodies that they move, and the robot's top body."""
         sites = [s for s in range(self.model.nsite) if self._name("site", s).endswith("grip_site")]
         if len(sites) != 1:
             names = ", ".join(self._name("site", s) for s in sites) or "none"
@@ -187,26 +193,16 @@ class KinematicModel:
                 f"only recordings of one arm can be imported, the model has {len(sites)} grippers (grip sites: {names})"
             )
         chain = self._ancestors(int(self.model.site_bodyid[sites[0]]))
-        slide = int(self.mujoco.mjtJoint.mjJNT_SLIDE)
+        above = {b: self._ancestors(b) for b in range(1, self.model.nbody)}
         for body in chain:
-            joints = [j for j in range(self.model.njnt) if body in self._ancestors(int(self.model.jnt_bodyid[j]))]
+            joints = [j for j in range(self.model.njnt) if body in above[int(self.model.jnt_bodyid[j])]]
             if joints:
-                if len(joints) < 2 or any(self.model.jnt_type[j] != slide for j in joints):
+                jointed = {int(self.model.jnt_bodyid[j]) for j in joints}
+                if body in jointed:
                     break
-                return sites[0], joints, chain[-1]
-        raise FormatError("only grippers with two sliding fingers can be imported, this one moves its fingers otherwise")
-
-    def _finger_frame(self) -> Array:
-        """R_site_ee (3, 3): z is the site's (robosuite: out of the hand); y is where the first finger opens to."""
-        self.mujoco.mj_kinematics(self.model, self.data)
-        joint = self._fingers[0]
-        sign = 1.0 if self.model.jnt_range[joint].sum() >= 0 else -1.0
-        R_site = self.data.site_xmat[self._site].reshape(3, 3)
-        y = sign * R_site.T @ self.data.xaxis[joint]
-        z = np.array([0.0, 0.0, 1.0])
-        y = y - (y @ z) * z
-        y /= np.linalg.norm(y)
-        return np.stack([np.cross(y, z), y, z], axis=1)
+                moved = [b for b, up in above.items() if jointed.intersection(up)]
+                return sites[0], joints, moved, chain[-1]
+        raise FormatError("only hands whose fingers move can be imported, there is no joint beside the grip site that moves one")
 
     def _find_objects(self) -> tuple[TrackedObject, ...]:
         bodies = []

@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from symskill_pddl.demos.demo import Demo
+from symskill_pddl.demos.gripper import Told, with_commands
+from symskill_pddl.demos.importing import ImportConfig, Remark, warn
 from symskill_pddl.demos.lerobot import is_lerobot, read_lerobot
 from symskill_pddl.demos.recorded import Recorded, read_recording
 from symskill_pddl.demos.replay import KinematicModel
@@ -38,7 +40,7 @@ def is_robocasa(path: str | Path) -> bool:
         return False
 
 
-def import_robocasa(path: str | Path) -> tuple[Demo, ...]:
+def import_robocasa(path: str | Path, config: ImportConfig | None = None, *, remark: Remark = warn) -> tuple[Demo, ...]:
     """Read a recording of RoboCasa as demonstrations.
 
     Parameters
@@ -46,6 +48,9 @@ def import_robocasa(path: str | Path) -> tuple[Demo, ...]:
     path : str or Path
         An HDF5 file (see `read_recording`) whose demonstrations have the attribute ``ep_meta``, or a LeRobot dataset's folder
         (see `read_lerobot`).
+    config : ImportConfig, optional
+    remark : callable
+        Is told, line by line, what is left out; Python's warnings, if nothing is given.
 
     Returns
     -------
@@ -61,10 +66,13 @@ def import_robocasa(path: str | Path) -> tuple[Demo, ...]:
     MissingDependencyError
         For a LeRobot dataset, without pyarrow.
     """
-    return read_lerobot(path, _demo) if is_lerobot(path) else read_recording(path, _demo)
+    config = config or ImportConfig()
+    read = read_lerobot if is_lerobot(path) else read_recording
+    told = read(path, lambda r: Told(_demo(r, config), r.actions, r.convention), config, remark)
+    return with_commands(told, f"'{path}'", remark, column=config.gripper_column, opens=config.gripper_open)
 
 
-def _demo(recorded: Recorded) -> Demo:
+def _demo(recorded: Recorded, config: ImportConfig) -> Demo:
     spec = _task(recorded)
     try:
         model = KinematicModel(recorded.xml)
@@ -76,7 +84,7 @@ def _demo(recorded: Recorded) -> Demo:
         view = View(found.T_world_robot(), seen.mirrored)
     except (InputError, KeyError) as error:
         raise recorded.fail(" ".join(str(error).split()).removeprefix(f"{recorded.where}: ")) from None
-    T_world_ee, T_world_bodies = _poses(model, recorded.states, [t.body for t in seen.tracked])
+    T_world_ee, aperture, T_world_bodies = _poses(model, recorded.states, [t.body for t in seen.tracked])
     T_world = T_world_bodies @ Pose.stack([t.T_body_frame for t in seen.tracked])
     attributes: dict[str, str | int | float] = {"imported_from": "robocasa", **recorded.kept}
     for key in ("layout_id", "style_id", "lang"):
@@ -85,10 +93,10 @@ def _demo(recorded: Recorded) -> Demo:
     return Demo(
         name=recorded.name,
         source=recorded.source,
-        task=spec.name,
+        task=config.task or spec.name,
         times=recorded.times,
         T_world_ee=view.pose(T_world_ee),
-        aperture=model.aperture(recorded.states),
+        aperture=aperture,
         gripper_closed=recorded.closed,
         objects={t.name: t.type for t in seen.tracked},
         T_world_objects=view.pose(T_world),
@@ -108,15 +116,17 @@ def _task(recorded: Recorded) -> TaskSpec:
     raise InputError(f"{recorded.where}: it is of '{env}'; tasks that can be imported: {known}")
 
 
-def _poses(model: KinematicModel, states: Array, bodies: list[int]) -> tuple[Pose, Pose]:
-    """Poses of the gripper (n,) and of bodies (n, m) in the simulator's world.
+def _poses(model: KinematicModel, states: Array, bodies: list[int]) -> tuple[Pose, Array, Pose]:
+    """Poses of the gripper (n,), the opening of its fingers (n,), and poses of bodies (n, m), in the simulator's world.
 
     The hand is the same from both sides; which one is which has to be as in a run, so its frame is made of the site as there.
     """
     R = np.zeros((len(states), 4, 4))
     p, q = np.empty((len(states), len(bodies), 3)), np.empty((len(states), len(bodies), 4))
+    aperture = np.empty(len(states))
     for i, state in enumerate(states):
         model.pose(state)
         R[i, :3, :3], R[i, :3, 3], R[i, 3, 3] = model.grip.xmat.reshape(3, 3), model.grip.xpos, 1.0
+        aperture[i] = model.aperture()
         p[i], q[i] = model.data.xpos[bodies], model.data.xquat[bodies]
-    return Pose.from_matrix(R) @ Pose(np.zeros(3), Q_GRIP_EE), Pose(p, q)
+    return Pose.from_matrix(R) @ Pose(np.zeros(3), Q_GRIP_EE), aperture, Pose(p, q)
