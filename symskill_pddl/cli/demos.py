@@ -1,4 +1,4 @@
-"""Commands that make and look at demonstrations and libraries: record, import, learn, show."""
+"""Commands that make and look at demonstrations and libraries: record, learn, show."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
-from symskill_pddl.cli.options import ForceFlag, JsonFlag, LibraryArgument, WorldOption, pairs
+from symskill_pddl.cli.options import ForceFlag, JsonFlag, LibraryArgument, WorldOption
 from symskill_pddl.cli.options import output as checked_output
 from symskill_pddl.errors import InputError
 from symskill_pddl.files import DEMOS, DRAWING
@@ -40,32 +40,6 @@ def record(
         demos, truths = arena.record(task, n, seed)
     file.write(encode_demos(demos, str(output), truths))
     remark(f"{output}: {len(demos)} demonstrations, {sum(d.duration_s for d in demos):.0f} s")
-
-
-def import_recording(
-    file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="An HDF5 recording of robosuite or RoboCasa, or a LeRobot dataset of RoboCasa.")
-    ],
-    output: Annotated[Path, typer.Option("-o", "--output", help="The HDF5 file to write.")],
-    types: Annotated[
-        list[str] | None, typer.Option("--type", metavar="OBJECT=TYPE", help="Type of an object; may be repeated.")
-    ] = None,
-    force: ForceFlag = False,
-) -> None:
-    """Turn a recording of robosuite or RoboCasa into demonstrations."""
-    from symskill_pddl.demos import encode_demos, import_robosuite
-    from symskill_pddl.robocasa.recordings import import_robocasa, is_robocasa
-
-    wanted = pairs(types or [], "--type", "OBJECT=TYPE")
-    kitchens = is_robocasa(file)
-    if kitchens and wanted:
-        raise InputError("--type is for recordings of robosuite; the objects of RoboCasa's kitchens have their types")
-    target = checked_output(output, DEMOS, force=force, inputs=[file])
-    with progress(f"replaying {file}"):
-        demos = import_robocasa(file) if kitchens else import_robosuite(file, types=wanted)
-    target.write(encode_demos(demos, str(output)))
-    objects = ", ".join(f"{name} - {kind}" for name, kind in demos[0].objects.items())
-    remark(f"{output}: {len(demos)} demonstrations, {sum(d.duration_s for d in demos):.0f} s; objects: {objects}")
 
 
 def learn(

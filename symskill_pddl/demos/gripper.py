@@ -16,7 +16,9 @@ from symskill_pddl.geometry import Array
 
 _STILL_M = 0.005
 """Fingers that travel less than this in all recordings of a file show nothing."""
-_AGREES = 0.5
+_PLAY = 0.1
+"""Part of the fingers' range that they may move without having been told."""
+_AGREES, _SURE = 0.5, 0.8
 """Of the fingers' travel, the part that goes where they were told less the part that does not; 1 without any lag."""
 
 
@@ -49,12 +51,22 @@ class Told:
 
 def agreement(told: Sequence[Told], convention: Convention) -> float | None:
     """From -1 to 1, how far the fingers do what they are told; None if they hardly move."""
+    slack = _PLAY * max(float(np.ptp(one.demo.aperture)) for one in told)
     right, travel = 0.0, 0.0
     for one in told:
-        step = np.diff(one.demo.aperture)
-        right += float(np.where(convention.closed(one.actions)[:-1], -step, step).sum())
+        step = np.diff(_played(one.demo.aperture, slack))
+        right += float(np.where(convention.closed(one.actions)[1:], -step, step).sum())
         travel += float(np.abs(step).sum())
     return right / travel if travel > _STILL_M else None
+
+
+def _played(aperture: Array, slack: float) -> Array:
+    """An opening (n,) as somebody follows it who does not mind `slack`: what is held gives, and fingers tremble."""
+    out, at = np.empty_like(aperture), float(aperture[0])
+    for i, value in enumerate(aperture.tolist()):
+        at = min(max(at, value - slack), value + slack)
+        out[i] = at
+    return out
 
 
 def with_commands(
@@ -112,26 +124,26 @@ def _opening(told: Sequence[Told], column: int, opens: float, where: str) -> Con
 def _other(
     told: Sequence[Told], wanted: Convention, found: float, where: str, remark: Callable[[str], object], *, free: bool
 ) -> Convention:
-    """The one other column that the fingers follow, unless somebody has chosen; else an error that names what would fit."""
+    """The one other reading that the fingers follow, unless somebody has chosen; else an error that says what would fit."""
     width = min(one.actions.shape[1] for one in told)
-    follows = {c: agreement(told, Convention(c)) or 0.0 for c in range(width) if c != wanted.column}
-    fits = [c for c, value in follows.items() if value >= _AGREES and _two_sided(told, c)]
-    if free and len(fits) == 1 and found > -_AGREES:
-        remark(
-            f"{where}: the gripper's command is column {fits[0]} of the actions, which the fingers follow "
-            f"({follows[fits[0]]:.0%}); they do not follow column {wanted.column}, where this layout has it ({found:.0%})"
-        )
-        return Convention(fits[0])
     values = np.concatenate([one.actions[:, wanted.column] for one in told])
-    far = float(values.max() if wanted.closes > 0 else values.min())
-    ways = [f"--gripper-open {far:g} if that value opens"] if found < -_AGREES else []
-    ways += [f"--gripper-column {c} if that is the gripper's ({follows[c]:.0%})" for c in fits]
-    share = np.mean([wanted.closed(one.actions).mean() for one in told])
-    raise InputError(
-        f"{where}: by column {wanted.column} of the {width} of the actions the gripper is told to close {share:.0%} of the time, "
-        f"and the fingers do not follow it ({found:.0%} of their travel); "
-        f"{' or '.join(ways) or 'say otherwise with --gripper-column N and --gripper-open VALUE'}"
+    readings = {
+        f"--gripper-open {v:g}": _opening(told, wanted.column, v, where) for v in (float(values.min()), float(values.max()))
+    }
+    readings |= {f"--gripper-column {c}": Convention(c) for c in range(width) if c != wanted.column and _two_sided(told, c)}
+    fits = {option: agreement(told, reading) or 0.0 for option, reading in readings.items()}
+    fits = {option: value for option, value in fits.items() if value >= _AGREES}
+    disagree = (
+        f"{where}: by column {wanted.column} of the {width} of the actions the gripper is told to close "
+        f"{np.mean([wanted.closed(one.actions).mean() for one in told]):.0%} of the time, and the fingers do not follow it "
+        f"({found:.0%} of their travel)"
     )
+    if free and len(fits) == 1 and max(fits.values()) >= _SURE:
+        (option,) = fits
+        remark(f"{disagree}; taken as if {option} had been given, which they follow ({fits[option]:.0%})")
+        return readings[option]
+    ways = [f"{option} ({value:.0%})" for option, value in fits.items()]
+    raise InputError(f"{disagree}; {' or '.join(ways) or '--gripper-column N or --gripper-open VALUE'} says otherwise")
 
 
 def _two_sided(told: Sequence[Told], column: int) -> bool:

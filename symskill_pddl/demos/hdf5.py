@@ -33,6 +33,7 @@ from typing import Any
 import numpy as np
 
 from symskill_pddl.demos.demo import Demo
+from symskill_pddl.demos.importing import no_hdf5
 from symskill_pddl.demos.safe_hdf5 import Dataset, Group, opened
 from symskill_pddl.demos.truth import Truth, write_truth
 from symskill_pddl.errors import FormatError, InputError, alternatives
@@ -219,6 +220,8 @@ class _Reader:
         if not self.path.is_file():
             what = "is a folder, not a demonstrations file" if self.path.is_dir() else "does not exist"
             raise InputError(f"'{self.path}' {what}; 'symskill record' and 'symskill import' write one")
+        if (foreign := no_hdf5(self.path)) is not None:
+            raise foreign
         with opened(self.path) as file:
             return self._demos(file)
 
@@ -243,8 +246,8 @@ class _Reader:
     def _check_header(self, data: Group) -> None:
         found = data.attrs.get("format")
         if found != FORMAT:
-            if found is None and ("env" in data.attrs or "env_args" in data.attrs):
-                raise self.fail("data", "this is a robosuite or robomimic recording; convert it with 'symskill import'")
+            if found is None and any(key in data.attrs for key in ("env", "env_args", "env_name", "problem_info")):
+                raise self.fail("data", "this is a simulator's recording; convert it with 'symskill import'")
             raise self.fail("data", f"attribute 'format' has to be '{FORMAT}', found {found!r}")
         version = data.attrs.get("schema_version")
         if version not in range(1, SCHEMA_VERSION + 1):

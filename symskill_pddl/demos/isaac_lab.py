@@ -9,8 +9,8 @@
         states/rigid_object/<name>/root_pose  (n, 7)   m and quaternion (w, x, y, z)
         states/articulation/<name>/root_pose, joint_position
 
-Objects are the rigid bodies and the roots of articulations other than the robot. The hand's pose is an observation, as Isaac Lab's
-own manipulation tasks record it; without it nothing can be imported, since the robot's model is not in the file.
+Objects are the rigid bodies and the roots of articulations other than the robot. The hand's pose is an observation, as Isaac
+Lab's own manipulation tasks record it; without it nothing can be imported, since the robot's model is not in the file.
 """
 
 from __future__ import annotations
@@ -149,8 +149,8 @@ class _Episode:
         dt, every = (sim.get("dt"), sim.get("decimation")) if isinstance(sim, dict) else (None, None)
         if not (isinstance(dt, int | float) and isinstance(every, int | float) and dt > 0 and every > 0):
             raise InputError(
-                f"'{self.path}' does not say its rate (env_args: sim_args with dt and decimation): give it with --rate HZ; Isaac Lab's "
-                "stacking tasks run at 20"
+                f"'{self.path}' does not say its rate (env_args: sim_args with dt and decimation): give it with --rate HZ; "
+                "Isaac Lab's stacking tasks run at 20"
             )
         return 1.0 / (dt * every)
 

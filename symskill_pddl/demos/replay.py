@@ -40,6 +40,8 @@ _USELESS = (
     "statistic",
     "size",
 )
+_OLDER = {"Door_frame": "frame", "Door_door": "door", "Door_latch": "latch"}
+"""What robosuite 1.5 calls bodies that its older releases, and recordings with them, call otherwise."""
 _ASSET_GEOMS = ("mesh", "hfield", "sdf")
 
 
@@ -239,8 +241,8 @@ class KinematicModel:
 
 
 def object_name(body: str) -> str:
-    """A body's name without robosuite's endings."""
-    return re.sub(r"_(main|root|object|body)$", "", body) or body
+    """A body's name without robosuite's endings, and as its older releases have it."""
+    return _OLDER.get(body) or re.sub(r"_(main|root|object|body)$", "", body) or body
 
 
 def type_name(name: str) -> str:

@@ -36,7 +36,7 @@ def is_robocasa(path: str | Path) -> bool:
         with h5py.File(path, "r") as file:
             data = file.get("data")
             return isinstance(data, h5py.Group) and any("ep_meta" in data[name].attrs for name in data)
-    except OSError:
+    except (OSError, RuntimeError, KeyError, AttributeError):
         return False
 
 

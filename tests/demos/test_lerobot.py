@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from symskill_pddl.demos.importing import ImportConfig
 from symskill_pddl.demos.lerobot import is_lerobot, read_lerobot
 from symskill_pddl.demos.recorded import Recorded, read_recording
 from symskill_pddl.demos.replay import KinematicModel
@@ -114,14 +115,14 @@ def edit(dataset: Path, name: str, **changes: object) -> None:
 def test_bad_actions_are_named(dataset: Path, spoil: object, message: str) -> None:
     spoil(dataset)  # type: ignore[operator]
     with pytest.raises(FormatError, match=message):
-        read_lerobot(dataset, same)
+        read_lerobot(dataset, same, ImportConfig(names=("demo_0",)))
 
 
 @pytest.mark.parametrize(
     ("spoil", "error", "message"),
     [
         (lambda d: shutil.rmtree(d / "meta"), InputError, "no LeRobot dataset"),
-        (lambda d: shutil.rmtree(d / "extras"), InputError, "only datasets with a simulator's states"),
+        (lambda d: shutil.rmtree(d / "extras"), InputError, "is a LeRobot dataset without poses of objects"),
         (lambda d: (d / "extras/dataset_meta.json").unlink(), InputError, "dataset_meta.json' is missing"),
         (lambda d: (d / "extras/dataset_meta.json").write_text("{"), FormatError, "not readable JSON"),
         (lambda d: (d / "extras/dataset_meta.json").write_text("[]"), FormatError, "has to be a JSON object"),
@@ -138,7 +139,7 @@ def test_bad_actions_are_named(dataset: Path, spoil: object, message: str) -> No
 def test_what_is_missing_or_damaged_is_named(dataset: Path, spoil: object, error: type[Exception], message: str) -> None:
     spoil(dataset)  # type: ignore[operator]
     with pytest.raises(error, match=message):
-        read_lerobot(dataset, same)
+        read_lerobot(dataset, same, ImportConfig(names=("demo_0",)))
 
 
 def test_without_pyarrow_it_says_what_to_install(dataset: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from symskill_pddl.demos import import_robosuite, load_demos, save_demos
-from symskill_pddl.demos.recorded import commanded_closed
+from symskill_pddl.demos.importing import ImportConfig
 from symskill_pddl.demos.replay import KinematicModel, kinematic_xml, object_name, type_name
 from symskill_pddl.errors import FormatError, InputError
 from symskill_pddl.geometry import rotation_distance
@@ -112,7 +112,7 @@ def test_the_hand_frame_points_down_and_opens_across_the_cube():
 
 
 def test_stacking_moves_one_cube_onto_the_other():
-    (demo,) = import_robosuite(DATA / "panda_stack.hdf5", types={"cubeA": "cube", "cubeB": "cube"})
+    (demo,) = import_robosuite(DATA / "panda_stack.hdf5", ImportConfig({"cubeA": "cube", "cubeB": "cube"}))
     assert demo.objects == {"table": "table", "cubeA": "cube", "cubeB": "cube"}
     assert demo.extents["cube"] == pytest.approx((0.025, 0.025, 0.025))
     a, b = demo.pose("cubeA").p, demo.pose("cubeB").p
@@ -188,11 +188,6 @@ def test_names_and_types():
     assert [type_name(n) for n in ("can12", "cubeA", "peg_1", "7")] == ["can", "cubeA", "peg", "7"]
 
 
-def test_zero_holds_the_last_command_and_the_gripper_starts_open():
-    commands = np.array([0, 0, 1, 0, -0.5, 0, 0.1])
-    assert commanded_closed(commands).tolist() == [False, False, True, True, False, False, True]
-
-
 def test_nothing_that_names_an_asset_survives():
     xml, shaped = kinematic_xml(model_xml())
     assert "gone" not in xml
@@ -234,9 +229,9 @@ def test_a_missing_model_says_where_it_is_looked_for(tmp_path):
 # -- refusals -------------------------------------------------------------------------------------------------------------
 
 
-def refused(path: Path, message: str, kind: type[InputError] = FormatError, **kwargs) -> None:
+def refused(path: Path, message: str, kind: type[InputError] = FormatError, **config) -> None:
     with pytest.raises(kind, match=message) as caught:
-        import_robosuite(path, **kwargs)
+        import_robosuite(path, ImportConfig(**config))
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -257,12 +252,13 @@ def test_two_arms_are_refused_by_their_robots_and_by_their_grippers(tmp_path):
         ({"xml": "<robot/>"}, "not a MuJoCo model: its root is <robot>"),
         ({"xml": "<mujoco><worldbody><body><joint axis='0 0 0'/></body></worldbody></mujoco>"}, "the model does not compile"),
         ({"xml": "<mujoco><worldbody/></mujoco>"}, r"the model has 0 grippers \(grip sites: none\)"),
-        ({"xml": model_xml(joint="hinge")}, "only grippers with two sliding fingers"),
+        ({"xml": model_xml(joint="hinge")}, "only hands of two fingers with boxes or other simple shapes"),
         ({"states": None}, "there is no dataset 'states'; it has: actions"),
         ({"actions": None}, "there is no dataset 'actions'; it has: states"),
         ({"states": np.zeros((4, 9))}, "states have 9 numbers, the model needs 22"),
         ({"states": np.full((4, 22), np.nan)}, "'states' holds a number that is not finite, at row 0"),
         ({"states": np.zeros(22)}, r"'states' has to be numbers \(n >= 2, m >= 1\)"),
+        ({"states": np.zeros((1, 22))}, "it has 1 samples, a demonstration needs at least 2"),
         ({"actions": np.zeros((3, 7))}, "3 actions do not match 4 states"),
         ({"states": np.array([["a"] * 3] * 3, dtype="S1")}, "'states' has to be numbers"),
     ],
@@ -319,3 +315,54 @@ def test_a_recording_of_the_installed_robosuite(tmp_path):
     np.testing.assert_allclose(demo.T_world_ee.p, hands, atol=1e-6)
     np.testing.assert_allclose(demo.pose("cube").p, cubes, atol=1e-6)
     assert demo.gripper_closed.tolist() == [False] * 5 + [True] * 3
+
+
+# -- other layouts and choices --------------------------------------------------------------------------------------------
+
+
+def silent(text: str) -> None:
+    raise AssertionError(text)
+
+
+def test_an_instruction_names_the_task_and_an_option_overrides_it(tmp_path):
+    path = write(tmp_path / "suite.hdf5")
+    with h5py.File(path, "r+") as file:
+        file["data"].attrs["problem_info"] = json.dumps({"language_instruction": "put the bowl on the plate"})
+    (demo,) = import_robosuite(path, remark=lambda _: None)
+    assert demo.task == "put_the_bowl_on_the_plate"
+    assert demo.attributes["lang"] == "put the bowl on the plate"
+    assert import_robosuite(path, ImportConfig(task="Tidy"), remark=lambda _: None)[0].task == "Tidy"
+
+
+def test_a_filter_key_chooses(tmp_path):
+    path = write(tmp_path / "mixed.hdf5")
+    with h5py.File(path, "r+") as file:
+        file.copy("data/demo_1", "data/demo_2")
+        file["mask/better"] = np.array([b"demo_2"])
+    assert [d.name for d in import_robosuite(path, ImportConfig(filter_key="better"), remark=lambda _: None)] == ["demo_2"]
+
+
+def test_robosuite_before_1_tells_its_gripper_otherwise(tmp_path):
+    path = write(tmp_path / "old.hdf5", actions=None, gripper_actuations=np.array([[-1.0], [-1.0], [0.0], [0.0]]))
+    (demo,) = import_robosuite(path, remark=lambda _: None)
+    assert demo.gripper_closed.tolist() == [False, False, True, True]
+
+
+TIPS = '<geom type="box" size="0.01 0.004 0.01" pos="{y} 0 0.1"/>'
+
+
+@pytest.mark.parametrize("joint", ["slide", "hinge"])
+def test_the_opening_is_between_the_tips_whatever_the_joints_read(joint):
+    """Joints that read 0 half way; or that turn about y, tips 10 cm off: 0.03 rad is 3 mm each."""
+    xml = model_xml(joint=joint).replace('range="0 0.04"/>', 'range="-0.01 0.02"/>' + TIPS.format(y=0.03))
+    xml = xml.replace('range="-0.04 0"/>', 'range="-0.02 0.01"/>' + TIPS.format(y=-0.03))
+    if joint == "hinge":
+        xml = xml.replace('type="hinge" axis="1 0 0"', 'type="hinge" axis="0 1 0"')
+    model = KinematicModel(xml)
+    states = np.zeros((3, model.state_size))
+    states[:, 5:9] = [0, 0, 1, 1]
+    states[1, 2:4] = 0.01, -0.01
+    states[2, 2:4] = 0.03, -0.03
+    opened = model.replay(states).aperture
+    moved = {"slide": [0.0, 0.02, 0.06], "hinge": 2 * 0.1 * np.sin([0.0, 0.01, 0.03])}[joint]
+    np.testing.assert_allclose(opened, 0.04 + np.array(moved), atol=1e-3)
