@@ -15,7 +15,6 @@ Lab's own manipulation tasks record it; without it nothing can be imported, sinc
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -28,8 +27,10 @@ from symskill_pddl.demos.hdf5 import natural_key
 from symskill_pddl.demos.importing import HOW, ImportConfig, Remark, each, task_name, warn
 from symskill_pddl.demos.recorded import filter_keys
 from symskill_pddl.demos.replay import type_name
+from symskill_pddl.demos.safe_hdf5 import Dataset, Group, opened
 from symskill_pddl.errors import FormatError, InputError, alternatives
 from symskill_pddl.geometry import Array, Pose
+from symskill_pddl.reading import parse_json
 
 ROBOT = "robot"
 """What Isaac Lab calls the robot among the articulations."""
@@ -37,13 +38,14 @@ ROBOT = "robot"
 
 def is_isaac_lab(path: str | Path) -> bool:
     """Whether a path is an HDF5 file whose states are groups of bodies."""
-    import h5py
-
+    if not Path(path).is_file():
+        return False
     try:
-        with h5py.File(path, "r") as file:
+        with opened(path) as file:
             data = file.get("data")
-            return isinstance(data, h5py.Group) and any(isinstance(data[name].get("states"), h5py.Group) for name in data)
-    except (OSError, RuntimeError, KeyError, AttributeError):
+            members = [data[name] for name in data] if isinstance(data, Group) else []
+            return any(isinstance(m, Group) and isinstance(m.get("states"), Group) for m in members)
+    except InputError:
         return False
 
 
@@ -65,27 +67,20 @@ def import_isaac_lab(path: str | Path, config: ImportConfig | None = None, *, re
     FormatError
         If it is damaged, or lacks the hand's pose.
     """
-    import h5py
-
     path, config = Path(path), config or ImportConfig()
-    try:
-        with h5py.File(path, "r") as file:
-            data = file["data"]
-            names = config.chosen(sorted(map(str, data), key=natural_key), filter_keys(file), f"'{path}'")
-            env = _env(data.attrs, path)
-            told = each(names, lambda name: _Episode(path, name, data[name]).told(env, config), f"'{path}'", remark)
-    except InputError:
-        raise
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError, UnicodeError, MemoryError) as error:
-        reason = " ".join(str(error).split())[:160]
-        raise FormatError(f"'{path}' is not a readable HDF5 file (damaged or truncated): {reason}") from error
+    with opened(path) as file:
+        data = file["data"]
+        assert isinstance(data, Group)
+        names = config.chosen(sorted(data, key=natural_key), filter_keys(file), f"'{path}'")
+        env = _env(data.attrs, path)
+        told = each(names, lambda name: _Episode(path, name, data[name]).told(env, config), f"'{path}'", remark)
     return with_commands(told, f"'{path}'", remark, column=config.gripper_column, opens=config.gripper_open)
 
 
 def _env(attributes: Mapping[str, Any], path: Path) -> dict[str, Any]:
     try:
-        env = json.loads(attributes.get("env_args", "{}"))
-    except (json.JSONDecodeError, TypeError, RecursionError):
+        env = parse_json(str(attributes.get("env_args", "{}")), str(path))
+    except FormatError:
         env = None
     if not isinstance(env, dict):
         raise FormatError(f"'{path}': data: attribute 'env_args' has to be a JSON object")
@@ -104,7 +99,7 @@ class _Episode:
     def told(self, env: Mapping[str, Any], config: ImportConfig) -> Told:
         actions = self.array("actions")
         n = len(actions)
-        if any(f"obs/{name}" not in self.group for name in ("eef_pos", "eef_quat", "gripper_pos")):
+        if any(self.member(f"obs/{name}") is None for name in ("eef_pos", "eef_quat", "gripper_pos")):
             raise self.fail(
                 "this is a recording of Isaac Lab without the hand's pose (obs/eef_pos, obs/eef_quat, obs/gripper_pos, as its "
                 f"manipulation tasks record them), and the robot's model is not in it; record these, or: {HOW}"
@@ -135,10 +130,10 @@ class _Episode:
         """Poses (n, 7) by name."""
         found = {}
         for kind in ("articulation", "rigid_object"):
-            holder = self.group["states"].get(kind)
-            for name in holder if holder is not None else ():
-                if name != ROBOT and "root_pose" in holder[name]:
-                    found[str(name)] = self.array(f"states/{kind}/{name}/root_pose", 7, n)
+            holder = self.member(f"states/{kind}")
+            for name in holder if isinstance(holder, Group) else ():
+                if name != ROBOT and self.member(f"states/{kind}/{name}/root_pose") is not None:
+                    found[name] = self.array(f"states/{kind}/{name}/root_pose", 7, n)
         return found
 
     def rate(self, env: Mapping[str, Any], config: ImportConfig) -> float:
@@ -154,13 +149,18 @@ class _Episode:
             )
         return 1.0 / (dt * every)
 
+    def member(self, name: str) -> Any:
+        """A group or data set, by its path in the episode; None if it is not there."""
+        found: Any = self.group
+        for part in name.split("/"):
+            found = found.get(part) if isinstance(found, Group) else None
+        return found
+
     def array(self, name: str, width: int | None = None, n: int | None = None) -> Array:
         """A dataset (n, width) of finite numbers."""
-        import h5py
-
-        dataset = self.group.get(name)
-        if not isinstance(dataset, h5py.Dataset):
-            raise self.fail(f"there is no dataset '{name}'; it has: {alternatives(map(str, self.group))}")
+        dataset = self.member(name)
+        if not isinstance(dataset, Dataset):
+            raise self.fail(f"there is no dataset '{name}'; it has: {alternatives(self.group)}")
         if dataset.ndim != 2 or dataset.shape[0] < 2 or dataset.shape[1] < 1 or dataset.dtype.kind not in "fiu":
             raise self.fail(f"'{name}' has to be numbers (n >= 2, m >= 1), found {dataset.dtype} {dataset.shape}")
         if n not in (None, dataset.shape[0]) or width not in (None, dataset.shape[1]):

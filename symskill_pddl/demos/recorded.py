@@ -5,7 +5,6 @@ Poses of objects are in no such file; they are replayed from the states, by who 
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -18,8 +17,10 @@ from symskill_pddl.demos.demo import BoolArray
 from symskill_pddl.demos.gripper import Convention
 from symskill_pddl.demos.hdf5 import FORMAT, natural_key
 from symskill_pddl.demos.importing import HOW, ImportConfig, Remark, each, no_hdf5, task_name, warn
+from symskill_pddl.demos.safe_hdf5 import Dataset, Group, opened
 from symskill_pddl.errors import FormatError, InputError, alternatives
 from symskill_pddl.geometry import Array
+from symskill_pddl.reading import parse_json, read_text
 
 T = TypeVar("T")
 
@@ -124,8 +125,6 @@ def read_recording(
     FormatError
         If the file is damaged or is no such recording, or no episode of it can be used.
     """
-    import h5py
-
     path = Path(path)
     if not path.is_file():
         raise InputError(
@@ -134,53 +133,33 @@ def read_recording(
         )
     if (foreign := no_hdf5(path)) is not None:
         raise foreign
-    try:
-        with h5py.File(path, "r") as file:
-            data = file.get("data")
-            names = sorted((str(k) for k in data if isinstance(data[k], h5py.Group)), key=natural_key) if _is_group(data) else []
-            if not names:
-                raise FormatError(
-                    f"'{path}': data: no demonstrations (data/demo_1, ...); the file has: {alternatives(map(str, file))}; {HOW}"
-                )
-            if data.attrs.get("format") == FORMAT:
-                raise InputError(f"'{path}' holds demonstrations already: learn from them with 'symskill learn'")
-            chosen = (config or ImportConfig()).chosen(names, filter_keys(file), f"'{path}'")
-            return each(chosen, lambda name: make(_Group(path, data, name).recorded()), f"'{path}'", remark)
-    except InputError:
-        raise
-    except PermissionError as error:
-        raise InputError(f"cannot read '{path}': {error.strerror or 'permission denied'}") from error
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError, UnicodeError, OverflowError, MemoryError) as error:
-        reason = " ".join(str(error).split())[:160]
-        raise FormatError(f"'{path}' is not a readable HDF5 file (damaged or truncated): {reason}") from error
+    with opened(path) as file:
+        data = file.get("data")
+        names = sorted((k for k in data if isinstance(data[k], Group)), key=natural_key) if isinstance(data, Group) else []
+        if not isinstance(data, Group) or not names:
+            raise FormatError(f"'{path}': data: no demonstrations (data/demo_1, ...); the file has: {alternatives(file)}; {HOW}")
+        if data.attrs.get("format") == FORMAT:
+            raise InputError(f"'{path}' holds demonstrations already: learn from them with 'symskill learn'")
+        chosen = (config or ImportConfig()).chosen(names, filter_keys(file), f"'{path}'")
+        return each(chosen, lambda name: make(_Episode(path, data, name).recorded()), f"'{path}'", remark)
 
 
-def _is_group(data: Any) -> bool:
-    import h5py
-
-    return isinstance(data, h5py.Group)
-
-
-def filter_keys(file: Any) -> dict[str, tuple[str, ...]]:
-    """Lists of episodes by name: robomimic's ``mask``, of an open HDF5 file."""
-    import h5py
-
+def filter_keys(file: Group) -> dict[str, tuple[str, ...]]:
+    """Lists of episodes by name: robomimic's ``mask``."""
     mask = file.get("mask")
-    if not isinstance(mask, h5py.Group):
+    if not isinstance(mask, Group):
         return {}
-    lists = {str(key): mask[key][...].ravel().tolist() for key in mask if isinstance(mask[key], h5py.Dataset)}
-    return {
-        key: tuple(entry.decode("utf-8") if isinstance(entry, bytes) else str(entry) for entry in entries)
-        for key, entries in lists.items()
-    }
+    return {key: found.texts() for key in mask if isinstance(found := mask[key], Dataset)}
 
 
-class _Group:
+class _Episode:
     """One demonstration of a file."""
 
-    def __init__(self, path: Path, data: Any, name: str) -> None:
-        self.path, self.name, self.group = path, name, data[name]
-        self.attributes = {**dict(data.attrs), **dict(self.group.attrs)}
+    def __init__(self, path: Path, data: Group, name: str) -> None:
+        self.path, self.name = path, name
+        group = data[name]
+        assert isinstance(group, Group)
+        self.group, self.attributes = group, {**data.attrs.plain(), **group.attrs.plain()}
 
     def fail(self, message: str) -> FormatError:
         return FormatError(f"'{self.path}': data/{self.name}: {message}")
@@ -227,8 +206,8 @@ class _Group:
         if key not in self.attributes:
             return {}
         try:
-            value = json.loads(self.attributes[key])
-        except (json.JSONDecodeError, TypeError):
+            value = parse_json(str(self.attributes[key]), self.name)
+        except FormatError:
             value = None
         if not isinstance(value, dict) or not isinstance(value.get("env_kwargs", {}), dict):
             raise self.fail(f"attribute '{key}' has to be a JSON object")
@@ -236,8 +215,6 @@ class _Group:
 
     def _model_xml(self) -> str:
         model = self.attributes.get("model_file")
-        if isinstance(model, bytes):
-            model = model.decode("utf-8")
         if not isinstance(model, str) or not model.strip():
             raise self.fail(
                 "has no attribute 'model_file': without the model's XML its states cannot be read; files of observations "
@@ -250,18 +227,13 @@ class _Group:
         candidates = (folder / f"{self.path.stem}_{file}", folder / "models" / file, folder / file)
         for candidate in candidates:
             if candidate.is_file():
-                try:
-                    return candidate.read_text(encoding="utf-8")
-                except (OSError, UnicodeError) as error:
-                    raise self.fail(f"cannot read the model '{candidate}': {error}") from error
+                return read_text(candidate, "model")
         looked = ", ".join(f"'{c}'" for c in candidates)
         raise InputError(f"'{self.path}': data/{self.name}: its model '{file}' is missing; put it at one of {looked}")
 
     def _array(self, name: str) -> Array:
-        import h5py
-
         dataset = self.group.get(name)
-        if not isinstance(dataset, h5py.Dataset):
+        if not isinstance(dataset, Dataset):
             raise self.fail(f"there is no dataset '{name}'; it has: {alternatives(map(str, self.group))}")
         if dataset.ndim == 2 and dataset.shape[0] < 2:
             raise self.fail(f"it has {dataset.shape[0]} samples, a demonstration needs at least 2")

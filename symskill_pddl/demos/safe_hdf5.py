@@ -280,6 +280,31 @@ class Dataset(_Node):
                 raise self.fail("is longer than the file")
             return np.asarray(self._node[...])
 
+    def texts(self) -> tuple[str, ...]:
+        """All of a list of texts.
+
+        Raises
+        ------
+        FormatError
+            It is no list of texts, or is longer than the file can mean; it is damaged.
+        """
+        import h5py
+
+        found: list[str] = []
+        with self._reading():
+            plan = self._node.id.get_create_plist()
+            if plan.get_layout() == h5py.h5d.VIRTUAL or plan.get_external_count():
+                raise self.fail("is stored in other files, which are not read")
+            if h5py.check_string_dtype(self.dtype) is None or self.ndim != 1 or self.shape[0] > MOST_NAMES:
+                raise self.fail(f"has to be a list of texts, found {shown(self.dtype, 80)} {self.shape}")
+            if plan.get_nfilters():
+                self._check_chunks(plan)
+            for i in range(self.shape[0]):
+                text = self._node[i]
+                self._take(len(text))
+                found.append(text.decode("utf-8") if isinstance(text, bytes) else str(text))
+        return tuple(found)
+
     def _take(self, size: int) -> None:
         if size > self._shared.room:
             raise self.fail(

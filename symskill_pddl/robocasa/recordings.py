@@ -16,6 +16,7 @@ from symskill_pddl.demos.importing import ImportConfig, Remark, warn
 from symskill_pddl.demos.lerobot import is_lerobot, read_lerobot
 from symskill_pddl.demos.recorded import Recorded, read_recording
 from symskill_pddl.demos.replay import KinematicModel
+from symskill_pddl.demos.safe_hdf5 import Group, opened
 from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.panda.arm import Q_GRIP_EE
@@ -28,15 +29,15 @@ from symskill_pddl.robocasa.view import View
 
 def is_robocasa(path: str | Path) -> bool:
     """Whether a path is a LeRobot dataset, or an HDF5 recording with RoboCasa's descriptions of episodes."""
-    import h5py
-
     if is_lerobot(path):
         return True
+    if not Path(path).is_file():
+        return False
     try:
-        with h5py.File(path, "r") as file:
+        with opened(path) as file:
             data = file.get("data")
-            return isinstance(data, h5py.Group) and any("ep_meta" in data[name].attrs for name in data)
-    except (OSError, RuntimeError, KeyError, AttributeError):
+            return isinstance(data, Group) and any("ep_meta" in data[name].attrs for name in data)
+    except InputError:
         return False
 
 
