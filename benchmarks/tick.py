@@ -136,7 +136,7 @@ def measure(library: Library, count: int, ticks: int, detour: bool = False) -> t
     binding = {p.name: next(n for n, kind in world.names.items() if kind == p.type) for p in learned.operator.parameters}
     skill = library.skills[learned.skill]
     strange = blocked(world, skill, binding) if detour else None
-    body = Body(world, library, world.names, config.motion, config.debounce)
+    body = Body(world, library, world.names, config.motion, config.debounce_s)
     around = Obstacles(world.names, library.extents, frozenset(binding.values()), config.motion, body.velocities)
     run = SkillRun(skill, binding, body.scene, config.motion, obstacles=around, strange=strange)
     watch, memory, found = watch_of(learned, binding, body.state, run.phases), Memory(), []

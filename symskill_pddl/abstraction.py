@@ -6,10 +6,11 @@ child frame in a parent frame. The same Gaussians sample relative poses for reco
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import product
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,10 @@ class Classifier:
         Radii times this factor are left before a true predicate becomes false (hysteresis, > 1).
     free_axis : ndarray (3,) or None
         A symmetry axis in the child's frame (unit): turning about it does not count.
+    fingers : (float, float) or None
+        Of a grasp: it holds only while the fingers are told to close and something stops them between these apertures [m].
+    precedence : float
+        Of several places of an object that hold at once, the one with the least counts (`one_place`).
     """
 
     predicate: Predicate
@@ -55,6 +60,8 @@ class Classifier:
     enter_r: float
     leave_factor: float = 1.5
     free_axis: Array | None = None
+    fingers: tuple[float, float] | None = None
+    precedence: float = 0.0
     _inverse_p: Array = field(init=False, repr=False)
     _inverse_r: Array = field(init=False, repr=False)
 
@@ -67,6 +74,8 @@ class Classifier:
             object.__setattr__(self, name.replace("cov", "_inverse"), frozen(np.linalg.inv(cov)))
         if not (self.enter_p > 0 and self.enter_r > 0 and self.leave_factor >= 1):
             raise InputError(f"predicate '{self.predicate.name}': radii must be positive and leave_factor at least 1")
+        if self.fingers is not None and not 0.0 <= self.fingers[0] < self.fingers[1]:
+            raise InputError(f"predicate '{self.predicate.name}': fingers have to be two apertures [m], the narrower first")
         if self.free_axis is not None:
             axis = frozen(self.free_axis)
             object.__setattr__(self, "free_axis", frozen(axis / np.linalg.norm(axis)))
@@ -88,6 +97,15 @@ class Classifier:
     def holds(self, T_parent_child: Pose, *, before: bool = False) -> bool:
         """The predicate's value for one pose; `before` is its value at the previous moment (hysteresis)."""
         return bool(self.margin(T_parent_child) >= (1.0 - self.leave_factor if before else 0.0))
+
+    def grasped(self, aperture: float, gripper_closed: bool) -> bool:
+        """Whether the fingers are as the predicate needs them; of a relation that is no grasp always true."""
+        return self.fingers is None or (gripper_closed and self.fingers[0] <= aperture <= self.fingers[1])
+
+    @property
+    def volume(self) -> float:
+        """Of the region of positions, up to a factor [m^3]."""
+        return float(np.sqrt(np.linalg.det(self.cov_p)) * self.enter_p**3)
 
     def sample(self, rng: np.random.Generator, *, radius: float = 1.0) -> Pose:
         """A relative pose `T_parent_child` drawn from the Gaussians, cut at `radius` times the entering radii."""
@@ -150,6 +168,8 @@ def abstract(
 ) -> State:
     """The set of true ground atoms of a scene. `before` is the previous state (hysteresis); empty at the start.
 
+    An object may be at several places at once: `one_place` says which of them counts.
+
     An atom about an unseen object keeps its value: that nobody sees a thing does not mean that anything has changed.
     """
     state = set()
@@ -189,6 +209,8 @@ class _Table:
         Places of the two frames among the scene's objects; the hand comes last.
     free : (k,)
         Rows with a symmetry axis, `axes` (k, 3).
+    narrowest, widest : (n,)
+        Apertures between which closed fingers hold something; infinite for relations that are no grasps.
     """
 
     atoms: tuple[Atom, ...]
@@ -205,9 +227,11 @@ class _Table:
     zeros: Array
     free: NDArray[np.intp]
     axes: Array
+    narrowest: Array
+    widest: Array
 
     def margins(self, scene: Scene) -> Array:
-        """`Classifier.margin` of every row (n,)."""
+        """`Classifier.margin` of every row (n,); minus infinity where the fingers hold nothing."""
         objects, hand = scene.T_world_objects, scene.T_world_ee
         p, q = np.concatenate([objects.p, hand.p[None]]), np.concatenate([objects.q, hand.q[None]])
         turn = ((q[:, :, None] * q[:, None, :]).reshape(-1, 16) @ _TURN).reshape(-1, 3, 3)
@@ -218,7 +242,9 @@ class _Table:
         dr = quat_log(residual)
         far_p = np.sqrt(((dp[:, None] @ self.inverse_p)[:, 0] * dp).sum(-1)) / self.enter_p
         far_r = np.sqrt(((dr[:, None] @ self.inverse_r)[:, 0] * dr).sum(-1)) / self.enter_r
-        return np.asarray(1.0 - np.maximum(far_p, far_r))
+        free = np.isinf(self.widest)
+        grasped = scene.gripper_closed & (self.narrowest <= scene.aperture) & (scene.aperture <= self.widest)
+        return np.where(free | grasped, 1.0 - np.maximum(far_p, far_r), -np.inf)
 
 
 @lru_cache(maxsize=16)
@@ -245,6 +271,8 @@ def _table(classifiers: tuple[Classifier, ...], objects: tuple[tuple[str, str], 
         zeros=np.zeros(len(owners)),
         free=np.array([row for row, _ in axes], dtype=np.intp),
         axes=np.array([axis for _, axis in axes]).reshape(-1, 3),
+        narrowest=np.array([c.fingers[0] if c.fingers is not None else -np.inf for c in owners]),
+        widest=np.array([c.fingers[1] if c.fingers is not None else np.inf for c in owners]),
     )
 
 
@@ -257,81 +285,120 @@ def hysteresis(margin: Array, leave_factor: float) -> BoolArray:
     return np.asarray((last >= 0) & (decided[np.maximum(last, 0)] > 0))
 
 
-def debounce(truth: BoolArray, frames: int) -> BoolArray:
-    """Truth (n,) that follows only after `frames` equal readings, starting from the first reading."""
-    out, state, run = np.empty_like(truth), bool(truth[0]), 0
-    for i, reading in enumerate(truth.tolist()):
-        run = run + 1 if reading != state else 0
-        if run >= frames:
-            state, run = reading, 0
+DEBOUNCE_S = 0.075
+"""An atom changes once it has read otherwise for this long: two samples at 20 Hz, one at 5 Hz, eighteen at 240 Hz."""
+
+
+def debounce(truth: BoolArray, times: Array, seconds: float) -> BoolArray:
+    """Truth (n,) that follows what has read otherwise for `seconds` since it last agreed; it starts with the first reading."""
+    out, state, agreed = np.empty_like(truth), bool(truth[0]), float(times[0])
+    for i, (reading, now) in enumerate(zip(truth.tolist(), times.tolist(), strict=True)):
+        if reading == state or now - agreed >= seconds:
+            state, agreed = reading, now
         out[i] = state
     return out
 
 
-def abstract_recording(
-    objects: dict[str, str],
-    T_world_ee: Pose,
-    aperture: Array,
-    gripper_closed: BoolArray,
-    T_world_objects: Pose,
-    classifiers: Iterable[Classifier],
-    *,
-    gripper: GripperRule | None = None,
-    frames: int = 2,
-    seen: BoolArray | None = None,
-) -> dict[Atom, BoolArray]:
-    """`abstract` along n moments at once, with hysteresis and debounce: the truth (n,) of every atom that ever holds.
+def one_place(state: State, classifiers: Iterable[Classifier]) -> State:
+    """The state with every object at one place: of several, the one of least `precedence`, and of those the narrowest.
 
-    Parameters
-    ----------
-    objects : dict of str to str
-        Type of each object, in the order of the second axis of `T_world_objects`.
-    T_world_ee : Pose (n,)
-    aperture : ndarray (n,)
-    gripper_closed : ndarray of bool (n,)
-    T_world_objects : Pose (n, n_obj)
-    classifiers : iterable of Classifier
-    gripper : GripperRule, optional
-    frames : int
-        Equal readings before an atom changes.
-    seen : ndarray of bool (n, n_obj), optional
-        Where the objects are seen: elsewhere an atom keeps its value, and is false before the first sight.
+    What lies on a plate lies, for a wide and flat predicate, on the counter too, if only a few millimetres too high; an operator
+    that puts it on the plate is not one that puts it on the counter.
     """
-    rule, order = gripper or GripperRule(), {name: i for i, name in enumerate(objects)}
+    order = _places(tuple(classifiers))
+    kept: dict[str, Atom] = {}
+    for atom in sorted((a for a in state if a.predicate in order), key=lambda a: (order[a.predicate], a)):
+        kept.setdefault(atom.args[0], atom)
+    return frozenset(a for a in state if a.predicate not in order or kept[a.args[0]] == a)
+
+
+@lru_cache(maxsize=16)
+def _places(classifiers: tuple[Classifier, ...]) -> dict[str, tuple[float, float]]:
+    """By predicate of a place, what sorts it: its precedence and its size."""
+    return {c.predicate.name: (c.precedence, c.volume) for c in classifiers if c.child != GRIPPER}
+
+
+class Recorded(Protocol):
+    """n moments of a world, such as a demonstration: the attributes of `Scene`, each along the recording."""
+
+    @property
+    def times(self) -> Array: ...  # (n,) [s]
+    @property
+    def objects(self) -> dict[str, str]: ...
+    @property
+    def T_world_ee(self) -> Pose: ...  # (n,)
+    @property
+    def aperture(self) -> Array: ...  # (n,) [m]
+    @property
+    def gripper_closed(self) -> BoolArray: ...  # (n,)
+    @property
+    def T_world_objects(self) -> Pose: ...  # (n, n_obj)
+    @property
+    def seen(self) -> BoolArray: ...  # (n, n_obj)
+
+
+def abstract_recording(
+    recorded: Recorded, classifiers: Iterable[Classifier], gripper: GripperRule | None = None
+) -> dict[Atom, BoolArray]:
+    """`abstract` along a recording at once, with hysteresis and debounce: the truth (n,) of every atom that ever holds.
+
+    Where an object is not seen, an atom about it keeps its value; before the first sight it is false.
+    """
+    rule, order = gripper or GripperRule(), {name: i for i, name in enumerate(recorded.objects)}
     fingers, states = False, []
-    for width, closed in zip(aperture.tolist(), gripper_closed.tolist(), strict=True):
+    for width, closed in zip(recorded.aperture.tolist(), recorded.gripper_closed.tolist(), strict=True):
         fingers = rule.holds(width, closed, before=fingers)
         states.append(fingers)
     found = {Atom(GRIPPER_OPEN): np.array(states)}
-    inverse = T_world_objects.inverse()
+    inverse = recorded.T_world_objects.inverse()
     for classifier in classifiers:
-        for atom, parent, child in groundings(classifier, objects):
-            T_world_child = T_world_ee if child == GRIPPER else T_world_objects[:, order[child]]
+        low, high = classifier.fingers or (-np.inf, np.inf)
+        grasped = recorded.gripper_closed & (low <= recorded.aperture) & (recorded.aperture <= high)
+        for atom, parent, child in groundings(classifier, recorded.objects):
+            T_world_child = recorded.T_world_ee if child == GRIPPER else recorded.T_world_objects[:, order[child]]
             margin = classifier.margin(inverse[:, order[parent]] @ T_world_child)
-            if seen is not None:
-                involved = [order[name] for name in (parent, child) if name != GRIPPER]
-                # neither enters nor leaves
-                margin = np.where(seen[:, involved].all(axis=1), margin, np.nan)
+            involved = [order[name] for name in (parent, child) if name != GRIPPER]
+            # what is not seen neither enters nor leaves
+            margin = np.where(recorded.seen[:, involved].all(axis=1), margin, np.nan)
+            if classifier.fingers is not None:
+                margin = np.where(grasped, margin, -np.inf)
             if (margin >= 0.0).any():
                 found[atom] = hysteresis(margin, classifier.leave_factor)
-    return {atom: truth for atom, raw in found.items() if (truth := debounce(raw, frames)).any()}
+    times = recorded.times
+    return {atom: truth for atom, raw in found.items() if (truth := debounce(raw, times, DEBOUNCE_S)).any()}
+
+
+def one_place_along(truth: Mapping[Atom, BoolArray], classifiers: Iterable[Classifier]) -> dict[Atom, BoolArray]:
+    """`one_place` along a recording, from the truth (n,) of every atom."""
+    order = _places(tuple(classifiers))
+    result, taken = dict(truth), dict[str, BoolArray]()
+    for atom in sorted((a for a in truth if a.predicate in order), key=lambda a: (order[a.predicate], a)):
+        before = taken.get(atom.args[0], np.zeros_like(truth[atom]))
+        result[atom] = truth[atom] & ~before
+        taken[atom.args[0]] = before | truth[atom]
+    return result
 
 
 @dataclass(frozen=True)
 class Debounced:
-    """A state that follows the raw one only after `frames` equal readings of an atom. Immutable: `update` returns the next."""
+    """A state that follows the raw one as `debounce` says. Immutable: `update` returns the next.
 
-    state: State = frozenset()
-    frames: int = 2
-    pending: tuple[tuple[Atom, int], ...] = ()
+    `agreed` holds, for every atom that reads otherwise now, the time at which it last agreed [s].
+    """
 
-    def update(self, raw: State) -> Debounced:
-        counts = dict(self.pending)
-        state, pending = set(self.state), []
+    state: State
+    time: float
+    seconds: float = DEBOUNCE_S
+    agreed: tuple[tuple[Atom, float], ...] = ()
+
+    def update(self, raw: State, time: float) -> Debounced:
+        """The state after the reading `raw` at `time` [s]."""
+        since = dict(self.agreed)
+        state, agreed = set(self.state), []
         for atom in sorted(raw ^ self.state):
-            seen = counts.get(atom, 0) + 1
-            if seen >= self.frames:
+            last = since.get(atom, self.time)
+            if time - last >= self.seconds:
                 state ^= {atom}
             else:
-                pending.append((atom, seen))
-        return Debounced(frozenset(state), self.frames, tuple(pending))
+                agreed.append((atom, last))
+        return Debounced(frozenset(state), time, self.seconds, tuple(agreed))

@@ -150,6 +150,8 @@ class _Predicate(_Model):
     enter_rotation: float
     leave_factor: float
     free_axis: _Vector | None
+    fingers_m: tuple[float, float] | None = None
+    precedence: float = 0.0
 
 
 class _Evidence(_Model):
@@ -245,6 +247,8 @@ def _as_json(library: Library) -> dict[str, Any]:
                 "enter_rotation": c.enter_r,
                 "leave_factor": c.leave_factor,
                 "free_axis": None if c.free_axis is None else c.free_axis.tolist(),
+                "fingers_m": c.fingers,
+                "precedence": c.precedence,
             }
             for c in library.classifiers
         ],
@@ -294,6 +298,8 @@ def _from_json(d: _Document, skills: Mapping[str, Skill], recordings: Mapping[st
             p.enter_rotation,
             p.leave_factor,
             None if p.free_axis is None else np.array(p.free_axis),
+            p.fingers_m,
+            p.precedence,
         )
         for p in d.predicates
     )

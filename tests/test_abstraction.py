@@ -1,4 +1,5 @@
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ from hypothesis import strategies as st
 from synthetic import record
 
 from symskill_pddl.abstraction import (
+    DEBOUNCE_S,
     Classifier,
     Debounced,
     GripperRule,
@@ -16,6 +18,8 @@ from symskill_pddl.abstraction import (
     debounce,
     groundings,
     hysteresis,
+    one_place,
+    one_place_along,
     swing,
 )
 from symskill_pddl.errors import InputError
@@ -95,6 +99,7 @@ def test_samples_hold(seed, radius):
         ({"sigma": 0.0}, "cov_p has to be a positive definite"),
         ({"rad": 0.0}, "cov_r has to be"),
         ({"leave_factor": 0.5}, "leave_factor at least 1"),
+        ({"fingers": (0.05, 0.02)}, "the narrower first"),
     ],
 )
 def test_shapes_that_are_none(what, message):
@@ -118,15 +123,62 @@ def test_hysteresis_is_that_of_the_classifier(margins, factor):
     assert hysteresis(np.array(margins), factor).tolist() == expected
 
 
-@given(st.lists(st.booleans(), min_size=1, max_size=40), st.integers(1, 4))
-def test_debouncing_a_recording_is_debouncing_moment_by_moment(raw, frames):
-    atom = Atom("p")
-    state = Debounced(frozenset({atom} if raw[0] else ()), frames)
-    expected = [raw[0]]
-    for reading in raw[1:]:
-        state = state.update(frozenset({atom} if reading else ()))
+@given(st.lists(st.tuples(st.booleans(), st.floats(0.004, 0.2)), min_size=1, max_size=40), st.floats(0.0, 0.5))
+def test_debouncing_a_recording_is_debouncing_moment_by_moment(raw, seconds):
+    atom, times = Atom("p"), np.cumsum([gap for _, gap in raw])
+    state = Debounced(frozenset({atom} if raw[0][0] else ()), float(times[0]), seconds)
+    expected = [raw[0][0]]
+    for (reading, _), time in zip(raw[1:], times[1:].tolist(), strict=True):
+        state = state.update(frozenset({atom} if reading else ()), time)
         expected.append(atom in state.state)
-    assert debounce(np.array(raw), frames).tolist() == expected
+    assert debounce(np.array([reading for reading, _ in raw]), times, seconds).tolist() == expected
+
+
+@pytest.mark.parametrize(("rate", "late"), [(5, 0), (20, 1), (240, 17)])
+def test_debouncing_is_a_matter_of_seconds_at_any_rate(rate, late):
+    truth = np.arange(60) >= 30
+    found = debounce(truth, np.arange(60) / rate, DEBOUNCE_S)
+    assert int(np.argmax(found)) == 30 + late
+
+
+def test_one_closed_hand_holds_what_stops_its_fingers_and_nothing_else():
+    holds = classifier(name="holds", child=GRIPPER, fingers=(0.02, 0.04))
+    atom = Atom("holds", ("desk",))
+    scene = Scene(0.0, Pose.identity(), 0.03, True, {"desk": "table"}, Pose.stack([Pose.identity()]))
+    assert atom in abstract(scene, [holds])
+    for what in ({"aperture": 0.0}, {"aperture": 0.08}, {"gripper_closed": False}):  # empty, stuck, told to open
+        assert atom not in abstract(replace(scene, **what), [holds], before=frozenset({atom}))
+
+
+def place(name, parent, half, precedence=0.0):
+    cov = np.diag(np.square(half)) / 9.0
+    eye = np.eye(3) * 0.01
+    return Classifier(
+        Predicate(name, ("food", parent)), "food", parent, Pose.identity(), cov, eye, 3.0, 3.0, precedence=precedence
+    )
+
+
+def test_an_object_is_at_one_place_the_narrowest_unless_precedence_says_otherwise():
+    on_counter, on_plate = place("on-counter", "counter", (0.3, 0.6, 0.01)), place("on-plate", "plate", (0.04, 0.04, 0.01))
+    wide, narrow, other = (
+        Atom("on-counter", ("egg", "top")),
+        Atom("on-plate", ("egg", "dish")),
+        Atom("on-counter", ("ham", "top")),
+    )
+    door = Atom("open", ("door", "cabinet"))
+    truth = {
+        wide: np.array([1, 1, 1, 0], bool),
+        narrow: np.array([0, 1, 0, 1], bool),
+        other: np.array([1, 1, 1, 1], bool),
+        door: np.array([1, 1, 0, 0], bool),
+    }
+    found = one_place_along(truth, [on_counter, on_plate])
+    assert found[wide].tolist() == [True, False, True, False]
+    assert all(found[atom].tolist() == truth[atom].tolist() for atom in (narrow, other, door))
+    for i in range(4):
+        state = frozenset(atom for atom, row in truth.items() if row[i])
+        assert one_place(state, [on_counter, on_plate]) == {atom for atom, row in found.items() if row[i]}
+    assert one_place(frozenset({wide, narrow}), [on_counter, place("on-plate", "plate", (0.04, 0.04, 0.01), 0.5)]) == {wide}
 
 
 def test_a_recording_is_abstracted_as_its_scenes_are():
@@ -142,16 +194,8 @@ def test_a_recording_is_abstracted_as_its_scenes_are():
         ),
     ]
     rule = GripperRule()
-    truth = abstract_recording(
-        demo.objects,
-        demo.T_world_ee,
-        demo.aperture,
-        demo.gripper_closed,
-        demo.T_world_objects,
-        classifiers,
-        gripper=rule,
-        frames=1,
-    )
+    demo = replace(demo, times=10.0 * demo.times)  # so slow that every reading counts
+    truth = abstract_recording(demo, classifiers, rule)
     state, seen = frozenset(), set()
     for i in range(len(demo)):
         state = abstract(demo.scene(i), classifiers, before=state, gripper=rule)
@@ -221,7 +265,14 @@ def test_along_a_recording_an_unseen_object_changes_nothing():
     T = Pose(
         np.stack([np.stack([x, 0 * x], axis=1), np.zeros((8, 2)), np.zeros((8, 2))], axis=2), np.tile([1.0, 0, 0, 0], (8, 2, 1))
     )
-    found = abstract_recording(
-        {"cheese": "food", "desk": "table"}, T[:, 0], np.zeros(8), np.ones(8, bool), T, [c], frames=1, seen=seen
+    recorded = SimpleNamespace(
+        times=np.arange(8.0),
+        objects={"cheese": "food", "desk": "table"},
+        T_world_ee=T[:, 0],
+        aperture=np.zeros(8),
+        gripper_closed=np.ones(8, bool),
+        T_world_objects=T,
+        seen=seen,
     )
+    found = abstract_recording(recorded, [c])
     np.testing.assert_array_equal(found[Atom("at", ("cheese", "desk"))], [0, 0, 1, 1, 1, 1, 1, 0])

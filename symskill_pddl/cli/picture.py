@@ -52,16 +52,7 @@ def _samples(library: Library, name: str) -> tuple[Pose, np.ndarray[tuple[int], 
     poses, holds = [], []
     for source, content in sorted(library.recordings.items()):
         for demo in decode_demos(content, source):
-            truth = abstract_recording(
-                demo.objects,
-                demo.T_world_ee,
-                demo.aperture,
-                demo.gripper_closed,
-                demo.T_world_objects,
-                [classifier],
-                gripper=library.gripper,
-                seen=demo.seen,
-            )
+            truth = abstract_recording(demo, [classifier], library.gripper)
             for atom, parent, child in groundings(classifier, demo.objects):
                 known = demo.sees(parent) & demo.sees(child)
                 poses.append((demo.pose(parent).inverse() @ demo.pose(child))[known])

@@ -14,12 +14,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from symskill_pddl.abstraction import Classifier, GripperRule
+from symskill_pddl.abstraction import Classifier, GripperRule, abstract_recording
 from symskill_pddl.demos import Demo, Move, Truth
 from symskill_pddl.learning.operators import OperatorGroup
 from symskill_pddl.learning.segments import Episode
 from symskill_pddl.learning.symbolic import Symbolic
-from symskill_pddl.learning.transitions import truth_of
 from symskill_pddl.scene import GRIPPER
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom
 
@@ -155,7 +154,7 @@ def predicate_frames(
     totals: dict[tuple[str, str, str], NDArray[np.int64]] = defaultdict(lambda: np.zeros(3, dtype=np.int64))
     per_predicate: dict[tuple[str, str, str], dict[str, NDArray[np.int64]]] = defaultdict(dict)
     for demo, truth in judged:
-        learned = truth_of(demo, classifiers, gripper)
+        learned = abstract_recording(demo, classifiers, gripper)
         for (kind, obj, ref), true in truth.relations.items():
             if obj not in demo.objects or ref not in demo.objects:
                 continue

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from symskill_pddl.abstraction import abstract
+from symskill_pddl.abstraction import abstract, one_place
 from symskill_pddl.arena import Disturbed, OpenEpisode
 from symskill_pddl.errors import InputError
 from symskill_pddl.evaluation.goals import goal_atoms, resting_atoms
@@ -103,9 +103,8 @@ def prepare(
     own = placed(posed, domain, objects) if posed is not None else None
     if own is not None:
         objects = own.object_types
-    init = frozenset(
-        atom for atom in abstract(scene, library.classifiers, gripper=library.gripper) if all(a in objects for a in atom.args)
-    )
+    seen = one_place(abstract(scene, library.classifiers, gripper=library.gripper), library.classifiers)
+    init = frozenset(atom for atom in seen if all(a in objects for a in atom.args))
     if goal is not None:
         atoms = stated_goal(goal, domain, objects)
     elif own is not None:

@@ -12,7 +12,7 @@ from time import perf_counter
 
 import numpy as np
 
-from symskill_pddl.abstraction import Debounced, abstract
+from symskill_pddl.abstraction import Debounced, abstract, one_place
 from symskill_pddl.errors import InputError
 from symskill_pddl.execution.config import MotionConfig
 from symskill_pddl.execution.recovery import backed_off, near, servo, way_back
@@ -39,17 +39,19 @@ class Body:
     ----------
     objects : mapping of str to str
         The objects the state speaks of; the scene may hold more.
-    debounce : int
-        Equal readings of an atom before the state follows.
+    debounce_s : float
+        For how long an atom reads otherwise before the state follows [s].
     """
 
-    def __init__(self, world: World, library: Library, objects: Mapping[str, str], config: MotionConfig, debounce: int) -> None:
+    def __init__(
+        self, world: World, library: Library, objects: Mapping[str, str], config: MotionConfig, debounce_s: float
+    ) -> None:
         self._world, self._library, self._objects, self._config = world, library, frozenset(objects), config
         self._turns: dict[str, Array] = {}
         self.scene = world.observe()
         self._steady = Steady(self.scene)
         self.start_s = self.scene.time
-        self._sense = Debounced(self._read(self.scene, frozenset()), debounce)
+        self._sense = Debounced(self._read(self.scene, frozenset()), self.scene.time, debounce_s)
         self.path: list[Pose] = [self.scene.T_world_ee]
         self._recent = deque([self.scene])
         self.grasp_entry = 0
@@ -74,8 +76,8 @@ class Body:
 
     @property
     def state(self) -> State:
-        """The atoms, after hysteresis and debounce."""
-        return self._sense.state
+        """The atoms, after hysteresis and debounce, every object at one place."""
+        return one_place(self._sense.state, self._library.classifiers)
 
     def step(self, command: Command) -> None:
         """One control period: act, look, abstract. `ms` holds how long the parts took."""
@@ -83,7 +85,7 @@ class Body:
         scene = same_objects(self._world.step(command), self.scene)
         seen = perf_counter()
         self.scene = self._turned(self._steady(scene))
-        self._sense = self._sense.update(self._read(self.scene, self._sense.state))
+        self._sense = self._sense.update(self._read(self.scene, self._sense.state), self.scene.time)
         own = dict(self._timed.ms) if self._timed is not None else {}
         world = 1e3 * (seen - begin) - sum(own.values())
         self.ms = {"world": world, **own, "abstract": 1e3 * (perf_counter() - seen)}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from symskill_pddl.abstraction import DEBOUNCE_S
 from symskill_pddl.errors import InputError
 
 
@@ -65,8 +66,8 @@ class ExecutionConfig:
         The run fails beyond these; the time is the world's [s].
     plan_time_s : float
         Wall-clock limit of one call of the planner [s].
-    debounce : int
-        Equal readings before an atom changes.
+    debounce_s : float
+        For how long an atom has to read otherwise before it changes [s]; the default is what learning uses.
     budget_factor, budget_margin_s
         A step may last ``budget_factor * longest demonstration + budget_margin_s`` [s].
     grace_s : float
@@ -100,7 +101,7 @@ class ExecutionConfig:
     max_replans: int = 20
     max_time_s: float = 900.0
     plan_time_s: float = 10.0
-    debounce: int = 2
+    debounce_s: float = DEBOUNCE_S
     budget_factor: float = 3.0
     budget_margin_s: float = 5.0
     grace_s: float = 1.0
@@ -139,5 +140,5 @@ class ExecutionConfig:
         for name in ("max_replans", "budget_margin_s", "grace_s", "failure_cost", "observe_s", "retreat_m", "back_off_m"):
             if not getattr(self, name) >= 0:
                 raise InputError(f"{name} must not be negative, got {getattr(self, name)!r}")
-        if self.debounce < 1:
-            raise InputError(f"debounce has to be at least 1, got {self.debounce}")
+        if self.debounce_s < 0.0:
+            raise InputError(f"debounce_s has to be at least 0 s, got {self.debounce_s:g}")

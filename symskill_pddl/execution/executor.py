@@ -160,7 +160,7 @@ class _Run:
         on_step: Callable[[int, GroundOperator], None] | None,
     ) -> None:
         self.goal, self.config, self.journal, self.on_step = goal, config, journal, on_step
-        self.body = Body(world, library, objects, config.motion, config.debounce)
+        self.body = Body(world, library, objects, config.motion, config.debounce_s)
         self.belief = Belief(frozenset(c.predicate.name for c in library.classifiers if c.child == GRIPPER))
         self.mind = Deliberation(domain, goal, objects, planner, library, config, self.body, self.belief, journal)
         self.preparation = Preparation(library, config, extents, rng, self.body, self.belief, self.mind)

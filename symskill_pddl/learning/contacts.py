@@ -39,7 +39,7 @@ def labelled(
         (start, start_ref), (end, end_ref) = at(e.before), at(e.after)
         if end is None and end_ref is not None:
             left_out.append(LeftOut.of(e, "it ends where no other demonstration leaves one", SHOW_AGAIN))
-        elif start is not None and (start, start_ref) == (end, end_ref):
+        elif start is not None and (start, start_ref) == (end, end_ref) and (jointed[e.type] or not _carried(e)):
             undone = e
             left_out.append(LeftOut.of(e, "it leads back to where it began (a retry or a nudge)"))
         else:
@@ -60,6 +60,15 @@ def labelled(
     contacts = [_apart(k, contacts, kept) for k in range(len(contacts))]
     order = {e.demo.where: i for i, e in reversed(list(enumerate(episodes)))}
     return tuple(sorted(kept, key=lambda label: (order[label.episode.demo.where], label.episode.start))), tuple(contacts)
+
+
+def _carried(e: Episode) -> bool:
+    """Whether an object that rests in the same relation as before is elsewhere all the same: farther than the hand is wide."""
+    return bool(
+        e.before is not None
+        and e.after is not None
+        and np.linalg.norm(e.after.T_world_obj.p - e.before.T_world_obj.p) > e.demo.aperture.max()
+    )
 
 
 def _closed(e: Episode) -> bool:
@@ -95,7 +104,20 @@ def _contact_of(episodes: Sequence[Episode], jointed: Mapping[str, bool], config
         held=held,
         articulated=jointed[episodes[0].type],
         demos=frozenset(e.demo.where for e in episodes),
+        fingers=_fingers(episodes) if held else None,
     )
+
+
+def _fingers(episodes: Sequence[Episode]) -> tuple[float, float]:
+    """Between which apertures [m] something stops the fingers: from half the narrowest grasp that was shown, to half way from the
+    widest one to an open hand, since other things of the type are narrower or wider."""
+    widths = [
+        float(np.median(e.demo.aperture[span][closed]))
+        for e in episodes
+        if (closed := e.demo.gripper_closed[(span := slice(e.start, e.stop))]).any()
+    ]
+    widest = max(float(e.demo.aperture.max()) for e in episodes)
+    return round(0.5 * min(widths), 4), round(0.5 * (max(widths) + widest), 4) + 1e-4
 
 
 def _apart(index: int, contacts: Sequence[Contact], labels: Sequence[Label]) -> Contact:

@@ -39,7 +39,10 @@ def place_names(relations: Relations, extents: Extents) -> tuple[str, ...]:
     """One name per place: `door-closed`, `door-ajar`, `door-open`, `food-in-cabinet`, `food-on-counter`."""
     names = [""] * len(relations.places)
     for pair in sorted({p.types for p in relations.places}):
-        of_pair = [i for i, p in enumerate(relations.places) if p.types == pair]
+        of_pair = [i for i, p in enumerate(relations.places) if p.types == pair and not p.held]
+        for i, place in enumerate(relations.places):
+            if place.types == pair and place.held:
+                names[i] = f"{slug(pair[0])}-above-{slug(pair[1])}"
         jointed = relations.places[of_pair[0]].joint is not None
         made = _states(relations, of_pair) if jointed else _positions(relations.places, of_pair, extents)
         for i, name in made.items():
@@ -163,6 +166,8 @@ def operator_name(label: Label, moves: bool, relations: Relations, places: Seque
             return f"pick-{type_}" + (f"-from-{_without_preposition(state)}" if state else ""), "pick"
         return f"reach-{type_}" + (f"-{state}" if state else ""), "reach"
     type_ = slug(label.episode.moved_type)
+    if label.end is not None and relations.places[label.end].held:
+        return f"lift-{type_}", "move"
     state = _state(places[label.end], label.episode.moved_type) if label.end is not None else "away"
     if contact.articulated or label.episode.body is not None:
         verb = _verb(state)

@@ -42,43 +42,58 @@ class OperatorGroup:
     bindings: tuple[dict[str, str], ...]
 
 
-def learn_operators(
-    found: Sequence[Transition],
-    demos: Sequence[Demo],
-    relations: Relations,
-    classifiers: Sequence[Classifier],
-    places: Sequence[str],
-    contacts: Sequence[str],
-    extents: Extents,
-    config: OperatorConfig | None = None,
-    *,
-    single: frozenset[str] = frozenset(),
-) -> tuple[tuple[OperatorGroup, ...], tuple[LeftOut, ...]]:
-    """One operator per group of transitions with the same lifted effects, and what was left out.
+@dataclass(frozen=True, eq=False)
+class Vocabulary:
+    """The learned predicates: their geometry, their names, and what was seen of them.
 
-    `single` are the predicates of which a reference never has more than one object (`transitions.never_shared`).
+    Attributes
+    ----------
+    places, contacts : tuple of str
+        Names of `relations.places` and `relations.contacts`.
+    single : frozenset of str
+        Predicates of which a reference never has more than one object (`transitions.never_shared`).
     """
+
+    relations: Relations
+    classifiers: Sequence[Classifier]
+    places: Sequence[str]
+    contacts: Sequence[str]
+    extents: Extents
+    single: frozenset[str] = frozenset()
+
+    def contact(self, t: Transition) -> str:
+        """How the hand acts on what it moves."""
+        return self.contacts[t.label.contact]
+
+    @property
+    def loose(self) -> frozenset[str]:
+        """Places of what moves freely."""
+        return frozenset(name for name, p in zip(self.places, self.relations.places, strict=True) if p.joint is None)
+
+    @property
+    def lifted(self) -> frozenset[str]:
+        """Places in the hand, above something."""
+        return frozenset(name for name, p in zip(self.places, self.relations.places, strict=True) if p.held)
+
+    def name(self, t: Transition) -> tuple[str, str]:
+        """Name and kind of the operator that a transition shows."""
+        return operator_name(t.label, t.moves, self.relations, self.places)
+
+
+def learn_operators(
+    found: Sequence[Transition], demos: Sequence[Demo], words: Vocabulary, config: OperatorConfig | None = None
+) -> tuple[tuple[OperatorGroup, ...], tuple[LeftOut, ...]]:
+    """One operator per group of transitions with the same lifted effects, and what was left out."""
     config = config or OperatorConfig()
     shown = Counter(demo.task for demo in demos)
     groups: dict[tuple[str, ...], list[Transition]] = defaultdict(list)
     for t in found:
-        label = t.label
-        e = label.episode
-        place, ref = (label.end, label.end_ref) if t.moves else (label.start, label.start_ref)
-        key = (
-            e.moved_type if t.moves else e.type,
-            "1" if t.moves else "0",
-            contacts[label.contact],
-            places[place] if place is not None else "",
-            t.demo.objects[ref] if ref is not None else "",
-        )
-        groups[key].append(t)
+        groups[_effect_of(t, words)].append(t)
     left_out, kept = [], []
     for _, group in sorted(groups.items(), key=lambda item: item[0]):
         if len({t.demo.where for t in group}) == 1 and shown[group[0].demo.task] >= config.odd_of:
-            name = operator_name(group[0].label, group[0].moves, relations, places)[0]
-            reason = f"only one of {shown[group[0].demo.task]} demonstrations of its task shows it"
-            left_out += [LeftOut.of(t.label.episode, f"{name}: {reason}", SHOW_AGAIN) for t in group]
+            reason = f"{words.name(group[0])[0]}: only one of {shown[group[0].demo.task]} demonstrations of its task shows it"
+            left_out += [LeftOut.of(t.label.episode, reason, SHOW_AGAIN) for t in group]
         else:
             left = [t for t in group if t.left]
             left_out += [
@@ -87,67 +102,58 @@ def learn_operators(
                 if left and not t.left
             ]
             kept.append(left or group)
-    names = operator_names([(g[0].label, g[0].moves) for g in kept], relations, places, contacts)
+    names = operator_names([(g[0].label, g[0].moves) for g in kept], words.relations, words.places, words.contacts)
     states = [(t, s) for t in found for s in (t.before, t.after)]
-    learned = [
-        _operator(name, g, states, relations, classifiers, places, contacts, extents, config, single)
-        for name, g in zip(names, kept, strict=True)
-    ]
-    return tuple(_mutex(learned, relations, places)), tuple(left_out)
+    learned = [_operator(name, g, states, words, config) for name, g in zip(names, kept, strict=True)]
+    return tuple(_mutex(learned, words.relations, words.places)), tuple(left_out)
+
+
+def _effect_of(t: Transition, words: Vocabulary) -> tuple[str, ...]:
+    """What transitions of one operator share: what is moved, how, and where from or to."""
+    label, e = t.label, t.label.episode
+    place, ref = (label.end, label.end_ref) if t.moves else (label.start, label.start_ref)
+    return (
+        e.moved_type if t.moves else e.type,
+        "1" if t.moves else "0",
+        words.contact(t),
+        words.places[place] if place is not None else "",
+        t.demo.objects[ref] if ref is not None else "",
+    )
 
 
 def _operator(
     name: str,
     group: Sequence[Transition],
     states: Sequence[tuple[Transition, State]],
-    relations: Relations,
-    classifiers: Sequence[Classifier],
-    places: Sequence[str],
-    contacts: Sequence[str],
-    extents: Extents,
+    words: Vocabulary,
     config: OperatorConfig,
-    single: frozenset[str],
 ) -> OperatorGroup:
     notes: list[str] = []
     lifted = lift(group)
-    moved = lifted.parameters[0]
-    contact = contacts[group[0].label.contact]
     label = group[0].label
-    goal = Atom(contact, (moved.name,))
+    goal = Atom(words.contact(group[0]), (lifted.parameters[0].name,))
     if group[0].moves and label.end is not None:
-        goal = Atom(places[label.end], tuple(p.name for p in lifted.parameters[:2]))
-    add, delete = _effects(lifted, group, contact, contacts, notes)
+        goal = Atom(words.places[label.end], tuple(p.name for p in lifted.parameters[:2]))
+    add, delete = _effects(lifted, group, words, notes)
     if goal not in add:
         # it holds after every transition, but held before some: the hand began near by, or two ways to touch a thing overlap
         add |= {goal}
         notes.append(f"added effect: {goal}, which held before the beginning too in some demonstrations")
     own = lifted.args | {v for atom in add | delete for v in atom.variables}
-    positive = set()
-    foreign = {name for name in contacts if name != contact}
-    loose = {name for name, p in zip(places, relations.places, strict=True) if p.joint is None}
-    dropped: dict[str, list[Atom]] = {}
-    for atom in sorted(lifted.pre):
-        reason = "it is the effect" if atom == goal else _coincidence(atom, own, moved, lifted.parameters, foreign, loose)
-        if reason:
-            dropped.setdefault(reason, []).append(atom)
-        else:
-            positive.add(atom)
-    notes += [f"dropped precondition {' '.join(map(str, atoms))}: {reason}" for reason, atoms in dropped.items()]
-    if not all(t.left for t in group):
-        left = Atom(contact, (lifted.parameters[group[0].args.index(label.episode.obj)].name,))
+    positive = _positive(lifted, goal, own, group, words, notes)
+    if not all(t.left for t in group) and not (label.episode.after is not None and label.episode.after.held):
+        left = Atom(words.contact(group[0]), (lifted.parameters[group[0].args.index(label.episode.obj)].name,))
         notes.append(f"no retreat: the recordings end before the hand has left, so that {left} ends is not seen and no effect")
-    absent = _negatives(group, lifted, positive, states, classifiers, extents, notes, config, single)
-    kept_variables = own | {v for atom in positive for v in atom.variables}
-    parameters = tuple(p for p in lifted.parameters if p.name in kept_variables)
+    absent, told = _negatives(group, lifted, positive, states, words, config)
+    notes += told
+    variables = own | {v for atom in positive for v in atom.variables}
     during = frozenset(
-        atom
-        for atom in lifted.during
-        if set(atom.variables) <= kept_variables and not _coincidence(atom, own, moved, lifted.parameters, foreign, loose)
+        atom for atom in lifted.during if set(atom.variables) <= variables and not _coincidence(atom, own, lifted, group, words)
     )
     durations = [t.duration_s for t in group]
     operator = Operator(
         name=name,
-        parameters=parameters,
+        parameters=tuple(p for p in lifted.parameters if p.name in variables),
         pre=frozenset(positive),
         add=add,
         delete=delete,
@@ -155,34 +161,35 @@ def _operator(
         absent=absent,
         cost=max(round(float(np.mean(durations)), 1), 0.1),
     )
-    kind = operator_name(group[0].label, group[0].moves, relations, places)[1]
-    names = [p.name for p in parameters]
-    evidence = tuple(
-        Evidence(
-            t.demo.where,
-            round(float(t.demo.times[t.begin]), 4),
-            round(float(t.demo.times[t.end]), 4),
-            tuple((v, binding[v]) for v in names if v in binding),
-        )
-        for t, binding in zip(group, lifted.bindings, strict=True)
-    )
     learned = LearnedOperator(
         operator=operator,
         strict_pre=lifted.pre,
         skill=name,
-        kind=kind,
-        evidence=evidence,
+        kind=words.name(group[0])[1],
+        evidence=_evidence(group, lifted, [p.name for p in operator.parameters]),
         duration_s=(float(np.mean(durations)), float(np.max(durations))),
         notes=tuple(notes),
     )
     return OperatorGroup(learned, tuple(group), lifted.bindings)
 
 
+def _evidence(group: Sequence[Transition], lifted: Lifted, variables: Sequence[str]) -> tuple[Evidence, ...]:
+    return tuple(
+        Evidence(
+            t.demo.where,
+            round(float(t.demo.times[t.begin]), 4),
+            round(float(t.demo.times[t.end]), 4),
+            tuple((v, binding[v]) for v in variables if v in binding),
+        )
+        for t, binding in zip(group, lifted.bindings, strict=True)
+    )
+
+
 def _effects(
-    lifted: Lifted, group: Sequence[Transition], contact: str, contacts: Sequence[str], notes: list[str]
+    lifted: Lifted, group: Sequence[Transition], words: Vocabulary, notes: list[str]
 ) -> tuple[frozenset[Atom], frozenset[Atom]]:
-    """The intersections, less what cannot be an effect: a second contact, and coincidences where a single transition is all
-    there is."""
+    """The intersections, less what cannot be an effect: a second contact, what the next operator brings about, and coincidences
+    where a single transition is all there is."""
     moved = lifted.parameters[0].name
     riders = {
         v
@@ -193,11 +200,12 @@ def _effects(
     kept: dict[str, set[Atom]] = {"adds": set(), "deletes": set()}
     for what, atoms in (("adds", lifted.add), ("deletes", lifted.delete)):
         for atom in sorted(atoms):
-            foreign = atom.predicate in contacts and atom.predicate != contact
+            foreign = atom.predicate in words.contacts and atom.predicate != words.contact(group[0])
             about = not atom.args or moved in atom.args or bool(riders & set(atom.args))
             unbound = what == "adds" and not set(atom.variables) <= lifted.args | {v for a in lifted.pre for v in a.variables}
-            if foreign or unbound or (len(group) == 1 and not about):
-                reason = "one contact at a time" if foreign else "a coincidence"
+            early = what == "adds" and not group[0].moves and atom.predicate in words.lifted
+            if foreign or unbound or early or (len(group) == 1 and not about):
+                reason = "one contact at a time" if foreign else "lifting brings it about" if early else "a coincidence"
                 notes.append(f"dropped effect: {what} {atom}: {reason}")
             else:
                 kept[what].add(atom)
@@ -210,23 +218,38 @@ def _effects(
     return frozenset(kept["adds"]), frozenset(kept["deletes"])
 
 
-def _coincidence(
-    atom: Atom, own: frozenset[str], moved: Parameter, parameters: Sequence[Parameter], foreign: set[str], loose: set[str]
-) -> str | None:
-    """Why a positive precondition is none, or None if it may be one.
+def _positive(
+    lifted: Lifted, goal: Atom, own: frozenset[str], group: Sequence[Transition], words: Vocabulary, notes: list[str]
+) -> set[Atom]:
+    """What held before every transition, less what is no precondition; a hand that closes on a thing was open before."""
+    kept = set()
+    dropped: dict[str, list[Atom]] = {}
+    for atom in sorted(lifted.pre):
+        reason = "it is the effect" if atom == goal else _coincidence(atom, own, lifted, group, words)
+        if reason:
+            dropped.setdefault(reason, []).append(atom)
+        else:
+            kept.add(atom)
+    notes += [f"dropped precondition {' '.join(map(str, atoms))}: {reason}" for reason, atoms in dropped.items()]
+    fingers = Atom(GRIPPER_OPEN)
+    if not group[0].moves and words.relations.contacts[group[0].label.contact].held and fingers not in kept:
+        kept.add(fingers)
+        notes.append(f"added precondition: {fingers}, one hand holds one thing")
+    return kept
 
-    `foreign` are the other contact predicates, `loose` the places of what moves freely: a door that is open enables something,
-    food that lies about does not.
-    """
+
+def _coincidence(atom: Atom, own: frozenset[str], lifted: Lifted, group: Sequence[Transition], words: Vocabulary) -> str | None:
+    """Why a positive precondition is none, or None if it may be one: a door that is open enables something, food that lies about
+    does not."""
     if not atom.args:
         return None
     if not own & set(atom.args):
         return "about nothing that the operator is about"
-    if atom.predicate in foreign:
+    if atom.predicate in words.contacts and atom.predicate != words.contact(group[0]):
         return "one contact at a time"
-    types = {p.name: p.type for p in parameters}
+    types = {p.name: p.type for p in lifted.parameters}
     occupant = next((v for v in atom.args[:1] if v not in own), None)
-    if occupant is not None and (types[occupant] == moved.type or atom.predicate in loose):
+    if occupant is not None and (types[occupant] == lifted.parameters[0].type or atom.predicate in words.loose):
         return f"that another {types[occupant]} lies there enables nothing"
     return None
 
@@ -236,37 +259,34 @@ def _negatives(
     lifted: Lifted,
     positive: set[Atom],
     states: Sequence[tuple[Transition, State]],
-    classifiers: Sequence[Classifier],
-    extents: Extents,
-    notes: list[str],
+    words: Vocabulary,
     config: OperatorConfig,
-    single: frozenset[str] = frozenset(),
-) -> frozenset[Absent]:
-    """Relations of other objects to the operator's own that hold elsewhere in the data but never where it begins."""
-    found = set()
-    inside = {id(t) for t in group}
-    elsewhere = [(t, s) for t, s in states if id(t) not in inside]
+) -> tuple[frozenset[Absent], list[str]]:
+    """Relations of other objects to the operator's own that hold elsewhere in the data but never where it begins, and a note on
+    each."""
+    found, notes = set(), []
+    elsewhere = [s for t, s in states if not any(t is own for own in group)]
     arguments = lifted.parameters[: lifted.n_args]
-    for c in classifiers:
+    for c in words.classifiers:
         if c.child == GRIPPER:
             continue
-        siblings = {d.predicate.name for d in classifiers if (d.child, d.parent) == (c.child, c.parent)}
+        siblings = {d.predicate.name for d in words.classifiers if (d.child, d.parent) == (c.child, c.parent)}
         for position, parameter in enumerate(arguments):
             if parameter.type != c.parent:
                 continue
-            if c.child == arguments[0].type and position > 0 and _room(c, extents, config):
+            if c.child == arguments[0].type and position > 0 and _room(c, words.extents, config):
                 continue  # others of the moved kind may be there too: there is room
             if any(a.predicate in siblings and a.args[1] == parameter.name for a in positive):
                 continue  # where it has to be is a precondition already
             witnesses = _witnesses(group, c.child)
             if len(witnesses) < config.absent_from or any(_related(t, t.before, c, t.args[position]) for t in witnesses):
                 continue
-            if any(_related_any(s, c) for _, s in elsewhere):
+            if any(_related_any(s, c) for s in elsewhere):
                 variable = "?other" if c.child == arguments[0].type else f"?any-{slug(c.child)}"
                 atom = Atom(c.predicate.name, (variable, parameter.name))
-                found.add(Absent(atom, (Parameter(variable, c.child),), atom.predicate in single))
+                found.add(Absent(atom, (Parameter(variable, c.child),), atom.predicate in words.single))
                 notes.append(f"added precondition: no {c.child} with {atom}, as in all its demonstrations")
-    return frozenset(found)
+    return frozenset(found), notes
 
 
 def _witnesses(group: Sequence[Transition], type_: str) -> list[Transition]:
@@ -318,6 +338,3 @@ def _mutex(groups: Sequence[OperatorGroup], relations: Relations, places: Sequen
         )
         result.append(OperatorGroup(learned, g.transitions, g.bindings))
     return result
-
-
-__all__ = ["OperatorConfig", "OperatorGroup", "learn_operators"]

@@ -14,7 +14,7 @@ from symskill_pddl.learning.references import Placement
 from symskill_pddl.learning.relations import Place, PredicateConfig
 from symskill_pddl.learning.report import SHOW_AGAIN, LeftOut
 from symskill_pddl.learning.segments import RestKey
-from symskill_pddl.learning.shapes import clusters, fit_shape, free_yaw
+from symskill_pddl.learning.shapes import clusters, fit_shape, free_yaw, lifted
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,10 @@ def cluster_pair(
         return
     rests, moved = _Rests.of(ordered, joint, config), np.arange(n)
     gap, floor = _gap(joint, config)
-    labels = clusters(rests.distances(moved, moved), gap, config.ratio, floor, apart)
+    if ordered[0].rest.held:  # lifted, more or less high
+        labels = np.zeros(n, dtype=np.intp)
+    else:
+        labels = clusters(rests.distances(moved, moved), gap, config.ratio, floor, apart)
     core = [np.flatnonzero(labels == k).tolist() for k in range(labels.max() + 1)]
     groups: list[list[int]] = []
     for members in core:
@@ -123,9 +126,12 @@ def _place_of(members: Sequence[Placement], joint: Joint | None, config: Predica
         above = np.mean([_up_in_ref(p) for p in members], axis=0)
         # bystanders widen a place and do not make it surer: ten recordings of one scene show where they lie once
         shape = fit_shape(poses, len(moved), config.free_shape, axis, above / np.linalg.norm(above))
+        if moved[0].rest.held:
+            shape = lifted(shape, above / np.linalg.norm(above), min(p.lifted_m for p in moved), config.static_gap_m)
         coordinate = 0.0
     else:
         shape = fit_shape(poses, len(members), config.joint_shape)
         coordinate = float(joint.coordinate(shape.T_mean))
     demos = frozenset(p.demo.where for p in moved)
-    return Place(members[0].types, shape, joint, coordinate, demos, min(p.margin for p in moved))
+    margin = min(p.margin for p in moved)
+    return Place(members[0].types, shape, joint, coordinate, demos, margin, moved[0].rest.held)

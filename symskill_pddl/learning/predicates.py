@@ -7,7 +7,8 @@ construction, so operators can be grouped without a look at thresholds. What is 
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from symskill_pddl.learning.references import Extents, Placement, place
 from symskill_pddl.learning.relations import Place, PredicateConfig, Relations
 from symskill_pddl.learning.report import LeftOut
 from symskill_pddl.learning.segments import Episode, RestKey, rest
+from symskill_pddl.symbols import Predicate
 
 
 def learn_relations(
@@ -44,12 +46,35 @@ def learn_relations(
         own = [e for e in episodes if type_ in (e.type, e.moved_type)]
         found, joints = _placements(demos, own, type_, extents, config, answers)
         jointed[type_] = bool(joints)
-        for pair in sorted({p.types for p in found}):
-            rests = [p for p in found if p.types == pair]
+        for pair, held in sorted({(p.types, p.rest.held) for p in found}):
+            rests = [p for p in found if (p.types, p.rest.held) == (pair, held)]
             apart = _ends(rests, own, type_) if pair in joints else []
             cluster_pair(rests, joints.get(pair), apart, odd, places, of_rest, left_out, config)
     kept, contacts = labelled(episodes, of_rest, jointed, odd, left_out, config)
     return Relations(tuple(places), contacts, kept, tuple(left_out), {rest: ref for rest, (_, ref) in of_rest.items()})
+
+
+def precedences(relations: Relations) -> tuple[float, ...]:
+    """Per place, of all rests that it holds at, the fraction that belongs to another one.
+
+    Of two places that hold at once the one that is less often wrong counts.
+    """
+    own, foreign = Counter[int](), Counter[int]()
+    tests = [p.shape.classifier(Predicate("place", p.types), *p.types) for p in relations.places]
+    for label in relations.labels:
+        e = label.episode
+        for r, place_, ref in ((e.before, label.start, label.start_ref), (e.after, label.end, label.end_ref)):
+            if r is None or place_ is None:
+                continue
+            at, types = (r.start + r.stop) // 2, e.demo.objects
+            for k, test in enumerate(tests):
+                parents = [o for o, t in types.items() if t == test.parent and o != r.obj and types[r.obj] == test.child]
+                held = [o for o in parents if test.holds(e.demo.pose(o)[at].inverse() @ r.T_world_obj)]
+                if k == place_ and ref in held:
+                    own[k] += 1
+                elif held:
+                    foreign[k] += 1
+    return tuple(round(foreign[k] / max(own[k] + foreign[k], 1), 3) for k in range(len(tests)))
 
 
 def _placements(
@@ -60,7 +85,7 @@ def _placements(
     config: PredicateConfig,
     answers: Mapping[RestKey, str] | None,
 ) -> tuple[tuple[Placement, ...], dict[tuple[str, str], Joint]]:
-    rests = [(e.demo, r) for e in episodes for r in e.rests(type_)]
+    rests = [(e.demo, r) for e in episodes for r in e.rests(type_) if not r.held]
     moved = {(e.demo.where, o) for e in episodes for o in (e.obj, *e.passengers)}
     for demo in demos:
         still = int(np.searchsorted(demo.times, demo.times[0] + 2.0))
@@ -75,7 +100,20 @@ def _placements(
         joints = _joints(episodes, found, type_, config)
         if joints:
             return found, joints
-    return place(rests, False, extents, config.references, answers), {}
+    found = place(rests, False, extents, config.references, answers)
+    return (*found, *_lifted(episodes, found, type_)), {}
+
+
+def _lifted(episodes: Sequence[Episode], found: Sequence[Placement], type_: str) -> Iterator[Placement]:
+    """Where what a recording leaves in the hand has been lifted to, relative to what it was taken from."""
+    taken_from = {p.rest.key: p for p in found}
+    for e in episodes:
+        below = taken_from.get(e.before.key) if e.before is not None else None
+        if e.type == type_ and below is not None and e.after is not None and e.after.held:
+            at = (e.after.start + e.after.stop) // 2
+            T_ref_obj = e.demo.pose(below.ref)[at].inverse() @ e.after.T_world_obj
+            lifted_m = float(e.after.T_world_obj.p[2] - below.rest.T_world_obj.p[2])
+            yield replace(below, rest=e.after, T_ref_obj=T_ref_obj, lifted_m=lifted_m)
 
 
 def _joints(

@@ -64,7 +64,8 @@ class ReferenceConfig:
 class Placement:
     """A rest with its reference: `T_ref_obj` in the frame of the object `ref`.
 
-    `margin` is the lead of the chosen type over the next one in the mean score of its group.
+    `margin` is the lead of the chosen type over the next one in the mean score of its group; `lifted_m` of what is in the hand,
+    how high above where it rested.
     """
 
     demo: Demo
@@ -72,6 +73,7 @@ class Placement:
     ref: str
     T_ref_obj: Pose
     margin: float
+    lifted_m: float = 0.0
 
     @property
     def types(self) -> tuple[str, str]:

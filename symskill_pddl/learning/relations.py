@@ -71,6 +71,8 @@ class Place:
         Demonstrations that showed it by moving something there or away.
     margin : float
         How clear the choice of the reference was, at least.
+    held : bool
+        The object is in the hand there, lifted off the reference.
     """
 
     types: tuple[str, str]
@@ -79,11 +81,22 @@ class Place:
     coordinate: float
     demos: frozenset[str]
     margin: float
+    held: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """One gripper-in-object predicate; `closes`: the fingers are commanded closed, `held`: they close on the object."""
+    """One gripper-in-object predicate.
+
+    Attributes
+    ----------
+    closes : bool
+        The fingers are commanded closed.
+    held : bool
+        They close on the object.
+    fingers : (float, float) or None
+        If `held`, between which apertures [m] they have hold of one.
+    """
 
     type: str
     shape: Shape
@@ -91,6 +104,7 @@ class Contact:
     held: bool
     articulated: bool
     demos: frozenset[str]
+    fingers: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)

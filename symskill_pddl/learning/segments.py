@@ -7,7 +7,7 @@ episode that leads from one rest cluster into the same one is dropped (`predicat
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +23,9 @@ RestKey = tuple[str, str, int, int]
 @dataclass(frozen=True, eq=False)
 class Rest:
     """Where an object rested: its pose over samples [start, stop), next to a motion, or (`static`) all through a
-    demonstration. `where` names the demonstration (`Demo.where`); `parts` hang on the object: it does not rest at them."""
+    demonstration. `where` names the demonstration (`Demo.where`); `parts` hang on the object: it does not rest at them.
+
+    `held`: it is in the hand when the recording ends. Then the pose says where it has been lifted to."""
 
     where: str
     obj: str
@@ -32,6 +34,7 @@ class Rest:
     T_world_obj: Pose
     static: bool = False
     parts: tuple[str, ...] = ()
+    held: bool = False
 
     @property
     def key(self) -> RestKey:
@@ -116,6 +119,14 @@ class Episode:
 def rest(demo: Demo, obj: str, start: int, stop: int, *, static: bool = False) -> Rest:
     """The rest of an object over samples [start, stop)."""
     return Rest(demo.where, obj, start, stop, pose_over(demo.pose(obj), start, stop), static)
+
+
+def lifted(e: Episode) -> Episode:
+    """An episode that ends in the hand, with the pose it ends at in place of a rest."""
+    if e.before is None or e.after is not None or e.leave is not None:
+        return e
+    last = len(e.demo)
+    return replace(e, after=replace(rest(e.demo, e.moved, max(last - 3, e.start), last), held=True))
 
 
 def segment(demo: Demo, config: SegmentConfig | None = None) -> tuple[Episode, ...]:

@@ -59,7 +59,14 @@ class Shape:
     least_r: float = 0.0
     """Radii that just take in the observations."""
 
-    def classifier(self, predicate: Predicate, child: str, parent: str) -> Classifier:
+    def classifier(
+        self,
+        predicate: Predicate,
+        child: str,
+        parent: str,
+        fingers: tuple[float, float] | None = None,
+        precedence: float = 0.0,
+    ) -> Classifier:
         return Classifier(
             predicate,
             child,
@@ -71,6 +78,8 @@ class Shape:
             self.enter_r,
             self.leave_factor,
             self.free_axis,
+            fingers,
+            precedence,
         )
 
 
@@ -115,6 +124,13 @@ def narrowed(shape: Shape, T_outside: Pose, share: float = 0.75, least: float = 
     if p / shape.enter_p >= r / shape.enter_r:
         return replace(shape, enter_p=min(shape.enter_p, max(share * p, shape.least_p, least)))
     return replace(shape, enter_r=min(shape.enter_r, max(share * r, shape.least_r, least)))
+
+
+def lifted(shape: Shape, up_in_parent: Array, rise_m: float, aside_m: float) -> Shape:
+    """The shape of what has been lifted by `rise_m`: from half as high to half as high again, and at most `aside_m` aside."""
+    across = np.eye(3) - np.outer(up_in_parent, up_in_parent)
+    cov_p = (aside_m**2 * across + max(0.5 * rise_m, 0.001) ** 2 * np.outer(up_in_parent, up_in_parent)) / shape.enter_p**2
+    return replace(shape, cov_p=cov_p)
 
 
 def free_yaw(poses: Pose, up_in_child: Array, config: ShapeConfig) -> Array | None:

@@ -7,19 +7,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from symskill_pddl.abstraction import Classifier, GripperRule
+from symskill_pddl.abstraction import Classifier, GripperRule, abstract_recording, one_place_along
 from symskill_pddl.demos import Demo, extent_conflicts, merged_extents
 from symskill_pddl.errors import LearningError
 from symskill_pddl.learning.endings import EndingConfig, complete
 from symskill_pddl.learning.goals import learn_goals
 from symskill_pddl.learning.motions import SegmentConfig
 from symskill_pddl.learning.naming import contact_names, place_names
-from symskill_pddl.learning.operators import OperatorConfig, OperatorGroup, learn_operators
-from symskill_pddl.learning.predicates import learn_relations
+from symskill_pddl.learning.operators import OperatorConfig, OperatorGroup, Vocabulary, learn_operators
+from symskill_pddl.learning.predicates import learn_relations, precedences
 from symskill_pddl.learning.relations import PredicateConfig, Relations
 from symskill_pddl.learning.report import LeftOut
-from symskill_pddl.learning.segments import Episode, RestKey, segment_all
-from symskill_pddl.learning.transitions import Truth, exclusive, gripper_rule, never_shared, transitions, truth_of
+from symskill_pddl.learning.segments import Episode, RestKey, lifted, segment_all
+from symskill_pddl.learning.transitions import Truth, gripper_rule, never_shared, transitions
 from symskill_pddl.library import Goal
 from symskill_pddl.scene import GRIPPER
 from symskill_pddl.symbols import Predicate
@@ -91,6 +91,7 @@ def learn_symbols(
     extents = merged_extents(demos)
     progress("segments")
     episodes = complete(segment_all(demos, config.segments), config.endings, config.segments)
+    episodes = tuple(map(lifted, episodes))
     answers = None
     if selector is not None:
         progress("references")
@@ -103,19 +104,17 @@ def learn_symbols(
     classifiers = named(relations, places, contacts)
     progress("operators")
     gripper = gripper_rule(demos)
-    perceived = {demo.where: truth_of(demo, classifiers, gripper) for demo in demos}
-    truths = {where: exclusive(truth, classifiers) for where, truth in perceived.items()}
+    perceived = {demo.where: abstract_recording(demo, classifiers, gripper) for demo in demos}
+    truths = {where: one_place_along(truth, classifiers) for where, truth in perceived.items()}
     found, unclear = transitions(relations, truths, places, contacts)
-    single = never_shared(perceived.values())
-    groups, rare = learn_operators(
-        found, demos, relations, classifiers, places, contacts, extents, config.operators, single=single
-    )
+    words = Vocabulary(relations, classifiers, places, contacts, extents, never_shared(perceived.values()))
+    groups, rare = learn_operators(found, demos, words, config.operators)
     left_out = (*relations.left_out, *unclear, *rare)
     if not groups:
         raise LearningError(
             f"no operator comes out of {len(demos)} demonstrations with {len(episodes)} motions; first reason: {left_out[0]}"
         )
-    goals, goalless = learn_goals(demos, episodes, truths, places)
+    goals, goalless = learn_goals(demos, episodes, truths, (*places, *_grasps(relations, contacts)))
     remarks = (*extent_conflicts(demos), *_unclosed(relations), *goalless)
     return Symbolic(
         demos,
@@ -134,6 +133,13 @@ def learn_symbols(
     )
 
 
+def _grasps(relations: Relations, contacts: Sequence[str]) -> Iterator[str]:
+    """Names of the contacts in which the hand holds what moves freely."""
+    for name, contact in zip(contacts, relations.contacts, strict=True):
+        if contact.held and not contact.articulated:
+            yield name
+
+
 def _unclosed(relations: Relations) -> Iterator[str]:
     """A line if objects go with the hand in recordings in which the fingers never do anything."""
     loose = [x.episode for x in relations.labels if not relations.contacts[x.contact].articulated]
@@ -149,10 +155,13 @@ def _unclosed(relations: Relations) -> Iterator[str]:
 def named(relations: Relations, places: Sequence[str], contacts: Sequence[str]) -> tuple[Classifier, ...]:
     """The classifiers under their names: contacts first, then places, each in alphabetical order."""
     of_contacts = [
-        c.shape.classifier(Predicate(name, (c.type,)), GRIPPER, c.type)
+        c.shape.classifier(Predicate(name, (c.type,)), GRIPPER, c.type, c.fingers)
         for c, name in zip(relations.contacts, contacts, strict=True)
     ]
-    of_places = [p.shape.classifier(Predicate(name, p.types), *p.types) for p, name in zip(relations.places, places, strict=True)]
+    of_places = [
+        p.shape.classifier(Predicate(name, p.types), *p.types, None, precedence)
+        for p, name, precedence in zip(relations.places, places, precedences(relations), strict=True)
+    ]
     return tuple(sorted(of_contacts, key=_name) + sorted(of_places, key=_name))
 
 

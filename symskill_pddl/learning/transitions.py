@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from symskill_pddl.abstraction import Classifier, GripperRule, abstract_recording
+from symskill_pddl.abstraction import GripperRule
 from symskill_pddl.demos import Demo
 from symskill_pddl.learning.relations import Label, Relations
 from symskill_pddl.learning.report import LeftOut
@@ -62,42 +62,15 @@ class Transition:
 
 
 def gripper_rule(demos: Sequence[Demo]) -> GripperRule:
-    """`gripper-open` for this hand: three quarters of its widest opening, down to 60 %."""
-    widest = max(float(np.quantile(d.aperture, 0.98)) for d in demos)
-    return GripperRule(round(0.75 * widest, 4), round(0.60 * widest, 4)) if widest > 0.005 else GripperRule()
+    """`gripper-open` for this hand: as far apart as hands that are told to open were seen to be, but for a tenth.
 
-
-def truth_of(demo: Demo, classifiers: Sequence[Classifier], gripper: GripperRule) -> Truth:
-    """The truth (n,) of every atom that ever holds in a demonstration."""
-    return abstract_recording(
-        demo.objects,
-        demo.T_world_ee,
-        demo.aperture,
-        demo.gripper_closed,
-        demo.T_world_objects,
-        classifiers,
-        gripper=gripper,
-        seen=demo.seen,
-    )
-
-
-def exclusive(truth: Truth, classifiers: Sequence[Classifier]) -> Truth:
-    """The same with every object at one place at a time: where several hold, the narrowest counts.
-
-    What lies on a plate lies, for a wide and flat predicate, on the counter too, if only a few millimetres too high; an operator
-    that puts it on the plate is not one that puts it on the counter.
+    Some recordings begin with a hand that is half open. Three quarters of the widest opening are enough in any case, a quarter
+    never is.
     """
-    size = {
-        c.predicate.name: float(np.sqrt(np.linalg.det(c.cov_p)) * c.enter_p**3)
-        for c in classifiers
-        if len(c.predicate.types) == 2
-    }
-    result, taken = dict(truth), dict[str, NDArray[np.bool_]]()
-    for atom in sorted((a for a in truth if a.predicate in size), key=lambda a: (size[a.predicate], a)):
-        before = taken.get(atom.args[0], np.zeros_like(truth[atom]))
-        result[atom] = truth[atom] & ~before
-        taken[atom.args[0]] = before | truth[atom]
-    return result
+    widest = max(float(np.quantile(d.aperture, 0.98)) for d in demos)
+    told = [float(d.aperture[0]) for d in demos if not d.gripper_closed[0]]
+    above = round(float(np.clip(0.9 * min(told, default=widest), 0.25 * widest, 0.75 * widest)), 4)
+    return GripperRule(above, round(0.8 * above, 4)) if widest > 0.0 else GripperRule()
 
 
 def never_shared(truths: Iterable[Truth]) -> frozenset[str]:
@@ -124,57 +97,98 @@ def state_at(truth: Truth, i: int) -> State:
 def transitions(
     relations: Relations, truths: Mapping[str, Truth], places: Sequence[str], contacts: Sequence[str]
 ) -> tuple[tuple[Transition, ...], tuple[LeftOut, ...]]:
-    """Every transition that shows what its labels say, and a note on each that does not."""
+    """Every transition that shows what its labels say, and what was left out because it does not."""
     found: list[Transition] = []
     left_out: list[LeftOut] = []
     free_since: dict[str, int] = {}
     for label in relations.labels:
         e = label.episode
-        truth = truths[e.demo.where]
-        holds = Atom(contacts[label.contact], (e.obj,))
-        start = None if label.start is None or label.start_ref is None else Atom(places[label.start], (e.obj, label.start_ref))
-        end = None if label.end is None or label.end_ref is None else Atom(places[label.end], (e.moved, label.end_ref))
-        never = np.zeros(len(e.demo), dtype=bool)
-        closes = relations.contacts[label.contact].closes
-        lift = _first(
-            truth.get(holds, never)
-            & ~(truth.get(start, never) if start is not None else never)
-            & (~truth[Atom(GRIPPER_OPEN)] if closes and Atom(GRIPPER_OPEN) in truth else ~never),
-            e.start,
-            e.stop,
-        )
-        begin = max(e.begin, free_since.get(e.demo.where, 0))
+        seen = _Seen(label, truths[e.demo.where], relations, places, contacts)
+        lift = e.start if e.before is None else seen.lift()
         if lift is None:
-            left_out.append(LeftOut.of(e, f"{holds} without {start or 'its start'} never shows during the motion"))
+            left_out.append(LeftOut.of(e, f"{seen.holds} without {seen.start or 'its start'} never shows during the motion"))
             continue
-        pick = _transition(truth, False, label, begin, lift, tuple(filter(None, (e.obj, label.start_ref))))
-        if start is None or start in pick.before:
-            found.append(pick)
-        else:
-            left_out.append(LeftOut.of(e, f"its approach: {start} does not hold when the hand sets out"))
-        if end is None:
+        if e.before is not None and e.begin < e.start:
+            pick = seen.pick(max(e.begin, free_since.get(e.demo.where, 0)), lift)
+            if seen.start is None or seen.start in pick.before:
+                found.append(pick)
+            else:
+                left_out.append(LeftOut.of(e, f"its approach: {seen.start} does not hold when the hand sets out"))
+        if seen.end is None:
             if e.after is None:
                 reason = "its end: the recording ends with it in the hand, a pick only"
                 left_out.append(LeftOut.of(e, reason, "record on until it is put down"))
             continue
-        leaves = ~truth[holds]
-        opens = truth.get(Atom(GRIPPER_OPEN), never)
-        until = _fingers_until(label, relations.labels)
-        if closes and (leaves & opens)[e.stop : until].any():
-            leaves = leaves & opens
-        exit_ = _first(leaves, e.stop, len(e.demo))
-        part = e.obj if e.body is not None else None
-        args = tuple(filter(None, (e.moved, label.end_ref, part)))
-        last = len(e.demo) - 1
-        place = _transition(truth, True, label, lift, last if exit_ is None else exit_, args)
-        if exit_ is None:  # what it has brought about shows; how the hand leaves does not
-            place = replace(place, left=False)
+        place = seen.place(lift)
         free_since[e.demo.where] = place.end
-        if end in place.after:
+        if seen.end in place.after:
             found.append(place)
         else:
-            left_out.append(LeftOut.of(e, f"its end: {end} does not hold when the gripper has left"))
+            left_out.append(LeftOut.of(e, f"its end: {seen.end} does not hold when the gripper has left"))
     return tuple(found), tuple(left_out)
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """One labelled episode in the atoms of its recording."""
+
+    label: Label
+    truth: Truth
+    relations: Relations
+    places: Sequence[str]
+    contacts: Sequence[str]
+
+    @property
+    def holds(self) -> Atom:
+        return Atom(self.contacts[self.label.contact], (self.label.episode.obj,))
+
+    @property
+    def start(self) -> Atom | None:
+        at, ref = self.label.start, self.label.start_ref
+        return None if at is None or ref is None else Atom(self.places[at], (self.label.episode.obj, ref))
+
+    @property
+    def end(self) -> Atom | None:
+        at, ref = self.label.end, self.label.end_ref
+        return None if at is None or ref is None else Atom(self.places[at], (self.label.episode.moved, ref))
+
+    @property
+    def closes(self) -> bool:
+        return self.relations.contacts[self.label.contact].closes
+
+    def along(self, atom: Atom | None) -> NDArray[np.bool_]:
+        """The truth (n,) of an atom, which may never hold."""
+        found = self.truth.get(atom) if atom is not None else None
+        return found if found is not None else np.zeros(len(self.label.episode.demo), dtype=bool)
+
+    def lift(self) -> int | None:
+        """The first sample at which the object has left its place with the hand."""
+        e, ready = self.label.episode, self.along(self.holds) & ~self.along(self.start)
+        if self.closes:
+            ready = ready & ~self.along(Atom(GRIPPER_OPEN))
+        return _first(ready, e.start, e.stop)
+
+    def pick(self, begin: int, lift: int) -> Transition:
+        args = tuple(filter(None, (self.label.episode.obj, self.label.start_ref)))
+        return self._transition(False, begin, lift, args)
+
+    def place(self, lift: int) -> Transition:
+        """Up to where the hand has left; what is not put down ends with the recording."""
+        e, last = self.label.episode, len(self.label.episode.demo) - 1
+        leaves, until = ~self.along(self.holds), _fingers_until(self.label, self.relations.labels)
+        released = leaves & self.along(Atom(GRIPPER_OPEN))
+        if self.closes and released[e.stop : until].any():
+            leaves = released
+        held = e.after is not None and e.after.held
+        exit_ = None if held else _first(leaves, e.stop, last + 1)
+        args = tuple(filter(None, (e.moved, self.label.end_ref, e.obj if e.body is not None else None)))
+        # without an exit, what it has brought about shows; how the hand leaves does not
+        return replace(self._transition(True, lift, last if exit_ is None else exit_, args), left=exit_ is not None)
+
+    def _transition(self, moves: bool, begin: int, end: int, args: tuple[str, ...]) -> Transition:
+        span = slice(begin, max(end, begin + 1))
+        during = frozenset(atom for atom, value in self.truth.items() if value[span].all())
+        return Transition(moves, self.label, begin, end, state_at(self.truth, begin), state_at(self.truth, end), during, args)
 
 
 def _fingers_until(label: Label, labels: Sequence[Label]) -> int:
@@ -189,9 +203,3 @@ def _fingers_until(label: Label, labels: Sequence[Label]) -> int:
 def _first(mask: NDArray[np.bool_], start: int, stop: int) -> int | None:
     inside = mask[start:stop]
     return start + int(np.argmax(inside)) if inside.any() else None
-
-
-def _transition(truth: Truth, moves: bool, label: Label, begin: int, end: int, args: tuple[str, ...]) -> Transition:
-    span = slice(begin, max(end, begin + 1))
-    during = frozenset(atom for atom, value in truth.items() if value[span].all())
-    return Transition(moves, label, begin, end, state_at(truth, begin), state_at(truth, end), during, args)

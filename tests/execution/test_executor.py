@@ -549,7 +549,7 @@ class TestRefused:
         [
             ({"max_time_s": 0.0}, "max_time_s has to be positive"),
             ({"grace_s": -1.0}, "grace_s must not be negative"),
-            ({"debounce": 0}, "debounce has to be at least 1"),
+            ({"debounce_s": -0.1}, "debounce_s has to be at least 0"),
         ],
     )
     def test_settings(self, setting, message):

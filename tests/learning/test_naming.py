@@ -40,7 +40,11 @@ def test_parameters_are_numbered_per_type():
 
 def place_at(types, p=(0.0, 0.0, 0.0), joint=None, coordinate=0.0):
     return SimpleNamespace(
-        types=types, shape=SimpleNamespace(T_mean=Pose(np.array(p), np.array([1.0, 0, 0, 0]))), joint=joint, coordinate=coordinate
+        types=types,
+        shape=SimpleNamespace(T_mean=Pose(np.array(p), np.array([1.0, 0, 0, 0]))),
+        joint=joint,
+        coordinate=coordinate,
+        held=False,
     )
 
 

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -6,7 +7,7 @@ import pytest
 from symskill_pddl.abstraction import Classifier
 from symskill_pddl.geometry import Pose
 from symskill_pddl.learning.lifting import lift
-from symskill_pddl.learning.operators import OperatorConfig, _negatives, _room
+from symskill_pddl.learning.operators import OperatorConfig, Vocabulary, _negatives, _room
 from symskill_pddl.learning.shapes import ShapeConfig, fit_shape
 from symskill_pddl.symbols import Atom, Plan, Predicate, Problem, validate
 
@@ -192,22 +193,21 @@ def test_the_reason_behind_a_coincidence_is_found():
         for name, child, parent in (("in-rack", "lid", "rack"), ("on-pan", "lid", "pan"), ("in-pan", "thing", "pan"))
     ]
     states = [(t, s) for t in (place, cover) for s in (t.before, t.after)]
-    notes = []
+    words, config = Vocabulary(None, classifiers, (), (), {}), OperatorConfig()
     group = [place, place]
-    found = _negatives(group, lift(group), set(), states, classifiers, {}, notes, OperatorConfig())
+    found, notes = _negatives(group, lift(group), set(), states, words, config)
     assert {str(a.atom) for a in found} == {"(on-pan ?any-lid ?pan)"}
     assert [p.type for a in found for p in a.over] == ["lid"]
     assert len(notes) == 1
     assert not any(a.at_most_one for a in found)
-    alone = _negatives(
-        group, lift(group), set(), states, classifiers, {}, [], OperatorConfig(), single=frozenset({"on-pan", "in-rack"})
-    )
+    single = replace(words, single=frozenset({"on-pan", "in-rack"}))
+    alone, _ = _negatives(group, lift(group), set(), states, single, config)
     assert [a.at_most_one for a in alone] == [True]
     # seen once, the lid's absence may be chance
-    assert not _negatives([place], lift([place]), set(), states, classifiers, {}, [], OperatorConfig())
+    assert not _negatives([place], lift([place]), set(), states, words, config)[0]
     # where a lid lies on the pan in one of its own demonstrations, nothing is added
     messy = transition(objects, ("egg", "pan"), ["holds egg", "on-pan lid pan"], ["in-pan egg pan"])
-    assert not _negatives([place, messy], lift([place, messy]), set(), states, classifiers, {}, [], OperatorConfig())
+    assert not _negatives([place, messy], lift([place, messy]), set(), states, words, config)[0]
 
 
 def test_more_demonstrations_of_other_tasks_bring_their_predicates():

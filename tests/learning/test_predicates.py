@@ -4,7 +4,7 @@ from synthetic import EXTENTS, Recorder, facing, kitchen, move_food, open_door, 
 from symskill_pddl.geometry import Pose
 from symskill_pddl.learning.predicates import learn_relations
 from symskill_pddl.learning.segments import segment_all
-from symskill_pddl.symbols import Predicate
+from symskill_pddl.symbols import Atom, Predicate
 
 from .conftest import Symbols
 
@@ -86,7 +86,7 @@ def test_two_shelves_are_two_places_and_two_spots_are_one():
 def test_what_leads_back_to_its_place_is_left_out_and_said():
     rng = np.random.default_rng(0)
     r = Recorder(rng, kitchen(rng, 1.6) | {"cheese": ("food", yaw_pose([0.45, 0.1, 0.02]))}, faults=False)
-    move_food(r, "cheese", yaw_pose([0.45, 0.2, 0.02]), 0.7)
+    move_food(r, "cheese", yaw_pose([0.45, 0.15, 0.02]), 0.7)
     move_food(r, "cheese", r.poses["cabinet"] @ yaw_pose([-0.05, 0.0, -0.16]), 0.7)
     demo = r.demo("demo_0", "again", "any")
     episodes = segment_all([demo])
@@ -94,6 +94,19 @@ def test_what_leads_back_to_its_place_is_left_out_and_said():
     assert len(episodes) == 2
     assert len(relations.labels) == 1
     assert any("leads back to where it began" in note for note in map(str, relations.left_out))
+
+
+def test_what_is_carried_along_one_counter_has_moved():
+    demos = []
+    for k in range(3):
+        rng = np.random.default_rng(k)
+        r = Recorder(rng, kitchen(rng, 1.6) | {"cheese": ("food", yaw_pose([0.45, -0.35 + 0.14 * k, 0.02]))}, faults=False)
+        move_food(r, "cheese", yaw_pose([0.45, 0.1 + 0.14 * k, 0.02]), 0.7)
+        demos.append(r.demo(f"demo_{k}", "along", "any"))
+    symbols = Symbols.of(demos)
+    assert set(symbols.groups) == {"pick-food-from-counter", "place-food-on-counter"}
+    place = symbols.groups["place-food-on-counter"].learned.operator
+    assert place.add >= {Atom("food-on-counter", ("?food", "?counter"))}
 
 
 def test_grasps_at_different_pitches_are_different_contacts():
