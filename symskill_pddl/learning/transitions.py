@@ -182,11 +182,14 @@ class _Seen:
         held = e.after is not None and e.after.held
         exit_ = None if held else _first(leaves, e.stop, last + 1)
         args = tuple(filter(None, (e.moved, self.label.end_ref, e.obj if e.body is not None else None)))
-        # without an exit, what it has brought about shows; how the hand leaves does not
-        return replace(self._transition(True, lift, last if exit_ is None else exit_, args), left=exit_ is not None)
+        if exit_ is None:  # what it has brought about shows; how the hand leaves does not
+            return replace(self._transition(True, lift, last, args), left=False)
+        let_go = _first(~self.along(self.holds), e.stop, last + 1)
+        return self._transition(True, lift, max(exit_, e.leave or 0), args, let_go)
 
-    def _transition(self, moves: bool, begin: int, end: int, args: tuple[str, ...]) -> Transition:
-        span = slice(begin, max(end, begin + 1))
+    def _transition(self, moves: bool, begin: int, end: int, args: tuple[str, ...], until: int | None = None) -> Transition:
+        """`until`: up to where what it maintains has to hold, if not to its end."""
+        span = slice(begin, max(end if until is None else until, begin + 1))
         during = frozenset(atom for atom, value in self.truth.items() if value[span].all())
         return Transition(moves, self.label, begin, end, state_at(self.truth, begin), state_at(self.truth, end), during, args)
 

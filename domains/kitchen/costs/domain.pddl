@@ -1,4 +1,4 @@
-; symskill 82b1acc72793: checksum of the other lines, by which an edited file is not overwritten unasked
+; symskill 4e5c9aa2c885: checksum of the other lines, by which an edited file is not overwritten unasked
 ; Learned from demonstrations by symskill. What a predicate means geometrically stands above it.
 ; This file may be edited by hand; `symskill check` says what an edit means.
 ; costs are in 1/100 of the unit that they were learned in
@@ -135,7 +135,6 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 3.8 s on average, 4.6 s at most
   ; skill reach-door-ajar-to-close
   ; maintains (door-ajar ?door ?cabinet) (gripper-open)
-  ; dropped effect: adds (gripper-holds-door-from-closed ?door): one contact at a time
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:action reach-door-ajar-to-close
     :parameters (?door - door ?cabinet - cabinet)
@@ -195,7 +194,6 @@
   ; skill close-door
   ; maintains (gripper-at-door-to-close ?door) (gripper-open)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
-  ; dropped precondition (gripper-holds-door-from-closed ?door): one contact at a time
   (:action close-door
     :parameters (?door - door ?cabinet - cabinet)
     :precondition (and
@@ -234,7 +232,7 @@
       (not (gripper-holds-door-from-closed ?door))
       (increase (total-cost) 470)))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.9 s on average, 4.9 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.7 s on average, 4.6 s at most
   ; skill move-door-ajar-from-open
   ; maintains (gripper-holds-door-from-open ?door)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -246,7 +244,7 @@
       (door-ajar ?door ?cabinet)
       (gripper-open)
       (not (gripper-holds-door-from-open ?door))
-      (increase (total-cost) 390)))
+      (increase (total-cost) 370)))
 
   ; reach, learned from 10 episodes in 10 demonstrations; took 7.2 s on average, 9.8 s at most
   ; skill reach-drawer-open
@@ -280,7 +278,7 @@
       (not (gripper-open))
       (increase (total-cost) 680)))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 2.9 s on average, 3.4 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.0 s on average, 3.5 s at most
   ; skill close-drawer
   ; maintains (gripper-holds-drawer-to-close ?drawer)
   ; dropped effect: deletes (gripper-holds-drawer-to-open ?drawer): one contact at a time
@@ -294,7 +292,7 @@
       (drawer-closed ?drawer ?drawer-unit)
       (gripper-open)
       (not (gripper-holds-drawer-to-close ?drawer))
-      (increase (total-cost) 290)))
+      (increase (total-cost) 300)))
 
   ; move, learned from 10 episodes in 10 demonstrations; took 3.2 s on average, 3.9 s at most
   ; skill open-drawer
@@ -374,7 +372,7 @@
       (not (gripper-open))
       (increase (total-cost) 570)))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 7.5 s on average, 9.2 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 7.5 s on average, 9.1 s at most
   ; skill place-food-in-cabinet
   ; maintains (door-open ?door ?cabinet) (gripper-holds-food ?food)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -389,7 +387,7 @@
       (not (gripper-holds-food ?food))
       (increase (total-cost) 750)))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 6.0 s on average, 7.7 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 6.0 s on average, 7.5 s at most
   ; skill place-food-in-cookware
   ; maintains (gripper-holds-food ?food)
   ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -403,7 +401,7 @@
       (not (gripper-holds-food ?food))
       (increase (total-cost) 600)))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 8.0 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 7.9 s at most
   ; skill place-food-on-container
   ; maintains (gripper-holds-food ?food)
   ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -417,7 +415,7 @@
       (not (gripper-holds-food ?food))
       (increase (total-cost) 620)))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 7.6 s on average, 9.9 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 7.6 s on average, 9.8 s at most
   ; skill place-food-on-counter
   ; maintains (gripper-holds-food ?food)
   ; dropped precondition (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about

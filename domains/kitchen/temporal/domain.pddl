@@ -1,4 +1,4 @@
-; symskill 90cf8ccf81a7: checksum of the other lines, by which an edited file is not overwritten unasked
+; symskill 75179eeb109d: checksum of the other lines, by which an edited file is not overwritten unasked
 ; Learned from demonstrations by symskill. What a predicate means geometrically stands above it.
 ; This file may be edited by hand; `symskill check` says what an edit means.
 (define (domain kitchen)
@@ -135,7 +135,6 @@
   ; reach, learned from 10 episodes in 10 demonstrations; took 3.8 s on average, 4.6 s at most
   ; skill reach-door-ajar-to-close
   ; maintains (door-ajar ?door ?cabinet) (gripper-open)
-  ; dropped effect: adds (gripper-holds-door-from-closed ?door): one contact at a time
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action reach-door-ajar-to-close
     :parameters (?door - door ?cabinet - cabinet)
@@ -209,7 +208,6 @@
   ; skill close-door
   ; maintains (gripper-at-door-to-close ?door) (gripper-open)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
-  ; dropped precondition (gripper-holds-door-from-closed ?door): one contact at a time
   (:durative-action close-door
     :parameters (?door - door ?cabinet - cabinet)
     :duration (= ?duration 4.4)
@@ -259,13 +257,13 @@
       (at end (gripper-open))
       (at end (not (gripper-holds-door-from-closed ?door)))))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.9 s on average, 4.9 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.7 s on average, 4.6 s at most
   ; skill move-door-ajar-from-open
   ; maintains (gripper-holds-door-from-open ?door)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action move-door-ajar-from-open
     :parameters (?door - door ?cabinet - cabinet)
-    :duration (= ?duration 3.9)
+    :duration (= ?duration 3.7)
     :condition (and
       (at start (arm-free))
       (at start (gripper-holds-door-from-open ?door)))
@@ -314,7 +312,7 @@
       (at end (gripper-holds-drawer-to-open ?drawer))
       (at end (not (drawer-closed ?drawer ?drawer-unit)))))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 2.9 s on average, 3.4 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.0 s on average, 3.5 s at most
   ; skill close-drawer
   ; maintains (gripper-holds-drawer-to-close ?drawer)
   ; dropped effect: deletes (gripper-holds-drawer-to-open ?drawer): one contact at a time
@@ -322,7 +320,7 @@
   ; dropped precondition (gripper-holds-drawer-to-open ?drawer): one contact at a time
   (:durative-action close-drawer
     :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
-    :duration (= ?duration 2.9)
+    :duration (= ?duration 3)
     :condition (and
       (at start (arm-free))
       (at start (gripper-holds-drawer-to-close ?drawer)))
@@ -427,7 +425,7 @@
       (at end (gripper-holds-food ?food))
       (at end (not (food-on-counter ?food ?counter)))))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 7.5 s on average, 9.2 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 7.5 s on average, 9.1 s at most
   ; skill place-food-in-cabinet
   ; maintains (door-open ?door ?cabinet) (gripper-holds-food ?food)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -446,7 +444,7 @@
       (at end (gripper-open))
       (at end (not (gripper-holds-food ?food)))))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 6.0 s on average, 7.7 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 6.0 s on average, 7.5 s at most
   ; skill place-food-in-cookware
   ; maintains (gripper-holds-food ?food)
   ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -463,7 +461,7 @@
       (at end (gripper-open))
       (at end (not (gripper-holds-food ?food)))))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 8.0 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 7.9 s at most
   ; skill place-food-on-container
   ; maintains (gripper-holds-food ?food)
   ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -480,7 +478,7 @@
       (at end (gripper-open))
       (at end (not (gripper-holds-food ?food)))))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 7.6 s on average, 9.9 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 7.6 s on average, 9.8 s at most
   ; skill place-food-on-counter
   ; maintains (gripper-holds-food ?food)
   ; dropped precondition (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about

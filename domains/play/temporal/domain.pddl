@@ -1,4 +1,4 @@
-; symskill aeeaa2e024bb: checksum of the other lines, by which an edited file is not overwritten unasked
+; symskill ef685cee2e92: checksum of the other lines, by which an edited file is not overwritten unasked
 ; Learned from demonstrations by symskill. What a predicate means geometrically stands above it.
 ; This file may be edited by hand; `symskill check` says what an edit means.
 (define (domain play)
@@ -195,12 +195,12 @@
       (at end (thing-in-cookware ?thing ?cookware))
       (at end (not (gripper-holds-thing ?thing)))))
 
-  ; place, learned from 4 episodes in 1 demonstration; took 4.2 s on average, 4.6 s at most
+  ; place, learned from 4 episodes in 1 demonstration; took 4.1 s on average, 4.5 s at most
   ; skill place-thing-on-container
   ; maintains (gripper-holds-thing ?thing)
   (:durative-action place-thing-on-container
     :parameters (?thing - thing ?container - container)
-    :duration (= ?duration 4.2)
+    :duration (= ?duration 4.1)
     :condition (and
       (at start (arm-free))
       (at start (gripper-holds-thing ?thing)))
@@ -211,12 +211,12 @@
       (at end (thing-on-container ?thing ?container))
       (at end (not (gripper-holds-thing ?thing)))))
 
-  ; place, learned from 7 episodes in 1 demonstration; took 4.4 s on average, 5.1 s at most
+  ; place, learned from 7 episodes in 1 demonstration; took 4.3 s on average, 5.0 s at most
   ; skill place-thing-on-drawer
   ; maintains (gripper-holds-thing ?thing)
   (:durative-action place-thing-on-drawer
     :parameters (?thing - thing ?drawer - drawer)
-    :duration (= ?duration 4.4)
+    :duration (= ?duration 4.3)
     :condition (and
       (at start (arm-free))
       (at start (gripper-holds-thing ?thing)))
