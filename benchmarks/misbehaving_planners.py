@@ -68,6 +68,8 @@ WAYS = {
     "its plan is a device": Way('ln -s /dev/zero "$4"', "failed", "no plan"),
     "its plan is a folder": Way('mkdir -p "$4/plan.txt"; chmod 0 "$4"', "failed", "no plan"),
     "its plan is a loop": Way('ln -s "$4" "$4"', "failed", "no plan"),
+    "removes its folder": Way('rm -r "$PWD"', "failed", "no plan"),
+    "puts a link in its folder's place": Way('rm -r "$PWD"; ln -s / "$PWD"', "failed", "no plan"),
     "closes its output": Way("exec >&- 2>&-; sleep 60", "timeout"),
     "takes memory": Way(MEMORY, "failed", "memory"),
     "prints control characters": Way(

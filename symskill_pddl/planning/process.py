@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import mkdtemp
 
-from symskill_pddl.errors import InputError
+from symskill_pddl.errors import InputError, shown
 from symskill_pddl.planning.protocol import Limits
 
 _GRACE_S = 0.5
@@ -31,8 +31,8 @@ _PATIENCE_S, _LONG_S = 10.0, 1e6
 _PROCESSES = 256
 _FILE_BYTES = 50_000_000
 _FOLDER_BYTES = 200_000_000
-_TEXT_BYTES = 4_000_000
-"""Of what is printed the last, and of a plan file the first: a plan of that length has more than a hundred thousand steps."""
+_TEXT_BYTES = 1_000_000
+"""Of what is printed the last, and of a plan file the first: a plan of that length has more than ten thousand steps."""
 _PLANS = 20
 """Of numbered plan files the last."""
 _SUPERVISOR = (sys.executable, "-I", "-S", str(Path(__file__).with_name("supervisor.py")))
@@ -51,7 +51,7 @@ class Ended:
     stopped : str
         The bound that it passed, in words; empty where it ended by itself.
     output : str
-        What it printed, errors included; of more than four million bytes the last.
+        What it printed, errors included; of more than a million bytes the last.
     printed : int
         How much it printed [bytes].
     """
@@ -68,7 +68,7 @@ class Ended:
     @property
     def last_line(self) -> str:
         """What it said last, for a message."""
-        return (self.output.strip().splitlines() or ["nothing"])[-1].strip()
+        return shown((self.output.strip().splitlines() or ["nothing"])[-1])
 
 
 @contextmanager
@@ -204,12 +204,21 @@ def plan_files(folder: Path, name: str) -> tuple[str, ...]:
     """
     stem = name.partition(".")[0]
     numbered = re.compile(rf"{re.escape(name)}|({re.escape(name)}|{re.escape(stem)})[._-]?(?P<number>[0-9].*)")
+    with suppress(OSError):  # the program may have locked its folder, or removed it
+        folder.chmod(0o700)
     found = (
         ([int(digits) for digits in re.findall(r"[0-9]{1,18}", match["number"] or "")], path.name, text)
-        for path in folder.iterdir()
+        for path in _within(folder)
         if (match := numbered.fullmatch(path.name)) and (text := _text(path, folder))
     )
     return tuple(text for _, _, text in sorted(found)[-_PLANS:])
+
+
+def _within(folder: Path) -> list[Path]:
+    try:
+        return list(folder.iterdir())
+    except OSError:
+        return []
 
 
 def _text(path: Path, folder: Path) -> str:

@@ -72,6 +72,14 @@ def test_of_much_output_the_last_is_kept(monkeypatch):
     assert ended.printed == 3_000_005
 
 
+def test_what_it_said_last_fits_into_a_message():
+    with work_folder() as folder:
+        said = sh("printf 'first\\n\\033]52;c;AAAA\\007'; head -c 100000 /dev/zero | tr '\\0' x", folder).last_line
+    assert len(said) <= 300
+    assert "\033" not in said
+    assert said.endswith("xxx")
+
+
 def test_a_program_is_asked_before_it_is_ended(monkeypatch):
     """An anytime planner writes its best plan when it is asked to end; here as soon as there was time for it to be ready."""
     monkeypatch.setattr(process, "_GRACE_S", 60.0)
