@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import re
-import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -15,21 +13,24 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from symskill_pddl.abstraction import Classifier, GripperRule
+from symskill_pddl.arrays import read_npz, write_npz
 from symskill_pddl.errors import FormatError, InputError, SymSkillError, alternatives
 from symskill_pddl.files import Shape, Writer
 from symskill_pddl.files import writing as writing_folder
 from symskill_pddl.geometry import Pose
 from symskill_pddl.library import DEMOS, INDEX, SCHEMA_VERSION, SKILLS, Evidence, Experience, Goal, LearnedOperator, Library
+from symskill_pddl.reading import read_bytes, validated
 from symskill_pddl.skills import Skill
 from symskill_pddl.symbols import Absent, Atom, Domain, Operator, Parameter, Predicate, Type
 
 FORMAT = "symskill-library"
 FILE_NAME = re.compile(r"[\w.-]+\.(npz|hdf5)")
 """What a file in `SKILLS` or `DEMOS` may be called."""
+LARGEST = 2_000_000_000
+"""Bytes of one of them; it is in memory as it is on the disk."""
 
 
 def save(library: Library, folder: Path, *, replace: bool = True) -> None:
@@ -52,7 +53,7 @@ def writing(folder: Path, *, replace: bool = True) -> Iterator[Callable[[Library
 
 
 def _save(writer: Writer, library: Library) -> None:
-    skills = {name: _npz(skill.arrays()) for name, skill in sorted(library.skills.items())}
+    skills = {name: write_npz(skill.arrays()) for name, skill in sorted(library.skills.items())}
     recordings = dict(sorted(library.recordings.items()))
     named = {n: _File(file=f"{n}.{_sha(c)[:12]}.npz", sha256=_sha(c)) for n, c in skills.items()}
     # a source is any file's stem, not always a name that a folder may hold
@@ -359,20 +360,13 @@ def _check_operator(learned: LearnedOperator, domain: Domain, skills: Mapping[st
 
 def _read_index(index: Path) -> bytes:
     try:
-        return index.read_bytes()
-    except OSError as error:
-        raise FormatError(
-            f"cannot read '{index}': {error.strerror or error}; a library is a folder with {INDEX} and {SKILLS}/"
-        ) from None
+        return read_bytes(index, "library")
+    except InputError as error:
+        raise FormatError(f"{error}; a library is a folder with {INDEX} and {SKILLS}/") from None
 
 
 def _read_document(index: Path, raw: bytes) -> _Document:
-    try:
-        return _Document.model_validate_json(raw)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(map(str, first["loc"])) or "the document"
-        raise FormatError(f"'{index}' is not a library of schema version {SCHEMA_VERSION}: {where}: {first['msg']}") from None
+    return validated(_Document.model_validate, raw, f"'{index}' is not a library of schema version {SCHEMA_VERSION}")
 
 
 def _read_file(folder: Path, entry: _File) -> bytes:
@@ -380,28 +374,18 @@ def _read_file(folder: Path, entry: _File) -> bytes:
     if not FILE_NAME.fullmatch(entry.file):
         raise FormatError(f"'{path}' is no file name of a library")
     try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise FormatError(f"cannot read '{path}', which {INDEX} names: {error.strerror or error}") from None
+        content = read_bytes(path, f"file that {INDEX} names", limit=LARGEST)
+    except InputError as error:
+        raise FormatError(str(error)) from None
     if _sha(content) != entry.sha256:
         raise FormatError(f"'{path}' is damaged or belongs to another library: its checksum differs from the one in {INDEX}")
     return content
 
 
 def _read_skill(folder: Path, entry: _File) -> Skill:
+    where = f"'{folder / entry.file}'"
+    arrays = read_npz(_read_file(folder, entry), where)
     try:
-        with np.load(io.BytesIO(_read_file(folder, entry)), allow_pickle=False) as arrays:
-            return Skill.from_arrays({name: arrays[name] for name in arrays.files})
-    except (ValueError, OSError, zipfile.BadZipFile) as error:
-        raise FormatError(f"'{folder / entry.file}': {error}") from None
-
-
-def _npz(arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """As `numpy.savez`, with sorted names and no time stamps: the same arrays give the same bytes."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
-        for name in sorted(arrays):
-            member = io.BytesIO()
-            np.save(member, np.asanyarray(arrays[name]), allow_pickle=False)
-            archive.writestr(zipfile.ZipInfo(f"{name}.npy", (1980, 1, 1, 0, 0, 0)), member.getvalue())
-    return buffer.getvalue()
+        return Skill.from_arrays(arrays)
+    except FormatError as error:
+        raise FormatError(f"{where}: {error}") from None

@@ -66,6 +66,9 @@ def learn(
     references_cache: Annotated[
         Path | None, typer.Option("--references-cache", metavar="FOLDER", help="Where its answers are kept.")
     ] = None,
+    insecure: Annotated[
+        bool, typer.Option("--insecure", help="Send the key over plain http to another machine, readable to all on the way.")
+    ] = False,
     force: ForceFlag = False,
 ) -> None:
     """Learn predicates, operators and skills from demonstrations, and costs from recorded runs."""
@@ -79,13 +82,15 @@ def learn(
     demos = [f for f in files or () if f.suffix != TRACE]
     if not demos and (into is None or not runs):
         raise InputError("nothing to learn from: name files of demonstrations, or runs with --traces and a library with --into")
-    if references is None and (references_url is not None or references_cache is not None):
-        raise InputError("--references-url and --references-cache belong to --references KIND:MODEL")
+    if references is None and (references_url is not None or references_cache is not None or insecure):
+        raise InputError("--references-url, --references-cache and --insecure belong to --references KIND:MODEL")
     counted = read_runs(runs)
     if demos:
         if into is None:
             check_replaced(target, demos, force=force)
-        selector = None if references is None else vision_selector(references, references_url, references_cache)
+        selector = None
+        if references is not None:
+            selector = vision_selector(references, references_url, references_cache, insecure=insecure)
         _learn_demos(demos, target, into=into is not None, selector=selector)
     if runs:
         learned, told = learn_costs(counted, target)

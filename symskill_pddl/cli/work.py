@@ -91,12 +91,22 @@ def _learned(demos: list[Demo], old: Library | None, selector: VisionSelector | 
     return library, report
 
 
-def vision_selector(name: str, url: str | None, cache: Path | None) -> VisionSelector:
+def vision_selector(name: str, url: str | None, cache: Path | None, *, insecure: bool = False) -> VisionSelector:
     """References by the model ``openai:MODEL`` or ``gemini:MODEL``; its answers are kept in a folder of the user's cache."""
     from symskill_pddl.learning.vision import Asker, VisionSelector, endpoint_named
 
-    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return VisionSelector(Asker(endpoint_named(name, url), cache=cache or home / "symskill" / "references"))
+    endpoint = endpoint_named(name, url, insecure=insecure)
+    if cache is None:
+        try:
+            home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+        except RuntimeError:
+            raise InputError(
+                "there is no home folder to keep the model's answers in; say where with --references-cache"
+            ) from None
+        cache = home / "symskill" / "references"
+    # found out before an answer is paid for that cannot be kept
+    make_folder(cache)
+    return VisionSelector(Asker(endpoint, cache=cache))
 
 
 @dataclass(frozen=True)

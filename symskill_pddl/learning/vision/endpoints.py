@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import base64
 import os
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from ipaddress import ip_address
 from typing import Any
+from urllib.parse import urlsplit
 
-from symskill_pddl.errors import InputError, alternatives
+from symskill_pddl.errors import InputError, alternatives, shown
 
 
 @dataclass(frozen=True)
@@ -113,6 +116,7 @@ class Gemini(Endpoint):
         return str(reply["candidates"][0]["content"]["parts"][0]["text"])
 
 
+_MODEL = re.compile(r"[\w.:/@+-]+", re.ASCII)
 KINDS: dict[str, tuple[type[Endpoint], str, tuple[str, ...]]] = {
     "openai": (OpenAI, "https://api.openai.com/v1", ("OPENAI_API_KEY",)),
     "gemini": (Gemini, "https://generativelanguage.googleapis.com", ("GEMINI_API_KEY", "GOOGLE_API_KEY")),
@@ -120,26 +124,59 @@ KINDS: dict[str, tuple[type[Endpoint], str, tuple[str, ...]]] = {
 """By name: how it is asked, where by default, and in which environment variables its key may be."""
 
 
-def endpoint_named(name: str, url: str | None = None, environment: Mapping[str, str] | None = None) -> Endpoint:
+def endpoint_named(
+    name: str, url: str | None = None, environment: Mapping[str, str] | None = None, *, insecure: bool = False
+) -> Endpoint:
     """The endpoint ``openai:MODEL`` or ``gemini:MODEL``, at another base address if one is given.
+
+    `insecure`: a key may go over plain http to another machine, where everybody on the way can read it.
 
     Raises
     ------
     InputError
-        For another name or an address that is none; if the default address is asked without a key in the environment.
+        For another name or an address that is none; if the default address is asked without a key in the environment; if the key
+        cannot stand in a header, or would be sent over plain http to another machine.
     """
     environment = os.environ if environment is None else environment
     kind, colon, model = name.partition(":")
-    if kind not in KINDS or not colon or not model:
-        raise InputError(f"references '{name}': expected KIND:MODEL with a kind of {alternatives(KINDS)}")
+    if kind not in KINDS or not colon or not _MODEL.fullmatch(model):
+        raise InputError(f"references '{shown(name, 80)}': expected KIND:MODEL with a kind of {alternatives(KINDS)}")
     adapter, usual, variables = KINDS[kind]
-    if url is not None and not url.startswith(("http://", "https://")):
-        raise InputError(f"'{url}' is no address of a model: http:// or https:// is needed")
-    key = next((value for v in variables if (value := environment.get(v, "").strip())), "")
+    readable = url is not None and _readable_on_the_way(url)
+    variable, key = next(((v, value) for v in variables if (value := environment.get(v, "").strip())), ("", ""))
     if not key and url is None:
         named = " or ".join(variables)
         raise InputError(f"{kind} needs a key in the environment variable {named}; a server of your own needs its address")
+    if not all("!" <= character <= "~" for character in key):
+        raise InputError(f"the key in {variable} holds a character that a key cannot have, such as a blank or the end of a line")
+    if key and readable and not insecure:
+        raise InputError(
+            f"--references-url '{shown(url, 80)}': over plain http everybody on the way could read the key of {variable}; "
+            "https is needed, or --insecure"
+        )
     return adapter(model, (url or usual).rstrip("/"), key)
+
+
+def _readable_on_the_way(url: str) -> bool:
+    """Whether a base address, checked here, is of plain http to another machine."""
+    try:
+        parts = urlsplit(url)
+        host, _ = parts.hostname or "", parts.port
+        valid = all("!" <= character <= "~" for character in url) and parts.scheme in ("http", "https") and host
+    except ValueError:
+        valid = False
+    if not valid:
+        raise InputError(
+            f"--references-url '{shown(url, 80)}' is no address of a model: http:// or https:// and a host are needed, such as "
+            "http://localhost:8000/v1"
+        )
+    if parts.username is not None or parts.query or parts.fragment:
+        raise InputError("--references-url: a base address has no user, no '?' and no '#'; a key comes from the environment")
+    try:
+        own = ip_address(host).is_loopback
+    except ValueError:
+        own = host == "localhost" or host.endswith(".localhost")
+    return parts.scheme == "http" and not own
 
 
 def _encoded(picture: bytes) -> str:

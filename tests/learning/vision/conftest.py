@@ -11,7 +11,10 @@ KEY = "secret-key-0123456789"
 
 
 class Model:
-    """`replies` are used up one by one, the last one stays: a dict (the answer), bytes, (status, bytes), or 'hang', 'drop'."""
+    """`replies` are used up one by one, the last one stays.
+
+    Each is a dict (the answer), bytes, (status, bytes), or a word: 'hang', 'drop', 'stall', 'drip', 'drip-head'.
+    """
 
     def __init__(self):
         self.replies, self.seen, self.kind = [], [], "openai"
@@ -38,6 +41,9 @@ class Model:
                 if reply == "hang":
                     time.sleep(1.5)
                     return
+                if reply in ("stall", "drip", "drip-head"):
+                    self._slow(reply)
+                    return
                 if reply == "drop":
                     self.connection.close()
                     return
@@ -52,6 +58,20 @@ class Model:
                 self.send_header("Content-Length", str(len(content)))
                 self.end_headers()
                 self.wfile.write(content)
+
+            def _slow(self, how):
+                """A status of failure whose body never comes; or a byte now and then, of the body or of the head."""
+                if how == "drip-head":
+                    self.wfile.write(b"HTTP/1.0 200 OK\r\n")
+                else:
+                    self.send_response(500 if how == "stall" else 200)
+                    self.send_header("Content-Length", "1000")
+                    self.end_headers()
+                for _ in range(30):
+                    if how != "stall":
+                        self.wfile.write(b"x")
+                        self.wfile.flush()
+                    time.sleep(0.05)
 
             def log_message(self, *_):
                 pass

@@ -42,16 +42,24 @@ def test_a_good_answer_and_what_was_asked(model, kind):
     ("reply", "reason"),
     [
         ({"before": "fridge", "after": "counter"}, "'before' is 'fridge', which the scene does not hold"),
-        ({"before": "cabinet"}, "'after' is None, which the scene does not hold"),
-        (b"<html>not found</html>", "the reply is no JSON"),
+        ({"before": "cabinet"}, "'after' is 'None', which the scene does not hold"),
+        (b"<html>not found</html>", "the reply: is no JSON"),
         (b"[1, 2]", "the reply holds no answer"),
         (b'{"choices": []}', "the reply holds no answer"),
-        (b'{"choices": [{"message": {"content": "the counter, I think"}}]}', "the answer is no JSON"),
+        (b'{"choices": [{"message": {"content": "the counter, I think"}}]}', "the answer: is no JSON"),
         (b'{"choices": [{"message": {"content": "7"}}]}', "the answer is no JSON object"),
         (b"7" * 2000, "the reply is longer than 1000 bytes"),
         ((500, b"overloaded"), "HTTP status 500: overloaded"),
         ((302, b"", {"Location": "http://127.0.0.1:9/"}), "HTTP status 302"),
         ("hang", "no reply within 0.3 s"),
+        ("stall", "no reply within 0.3 s"),
+        ("drip", "no reply within 0.3 s"),
+        ("drip-head", "no reply within 0.3 s"),
+        (b"9" * 900, "the reply: a number has 900 digits"),
+        (b'{"choices": NaN}', "the reply: NaN is no number of JSON"),
+        (b"\xff\xfe", "the reply: holds a text that is no Unicode"),
+        (b'{"choices": [{"message": {"content": "[[[["}}]}', "the answer: is no JSON"),
+        ((429, b"", {"Retry-After": "\u00b2".encode().decode("latin-1")}), "HTTP status 429"),
         ("drop", "not reached"),
     ],
 )
@@ -61,6 +69,12 @@ def test_what_is_no_answer_is_an_error_after_a_few_attempts(model, reply, reason
         asker(model, waits=waits, timeout_s=0.3, attempts=2, max_reply_bytes=1000).ask(QUESTION)
     assert len(model.seen) == (1 if reason == "HTTP status 302" else 2)
     assert waits == ([] if reason == "HTTP status 302" else [0.01])
+
+
+def test_brackets_without_end_are_an_error(model):
+    model.replies = [b"[" * 100_000]
+    with pytest.raises(VisionError, match="the reply: is nested too deeply"):
+        asker(model, attempts=1).ask(QUESTION)
 
 
 def test_nobody_there():
