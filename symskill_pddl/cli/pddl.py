@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from symskill_pddl.cli import options, work
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
-from symskill_pddl.errors import NoPlanError
+from symskill_pddl.errors import InputError, NoPlanError
 from symskill_pddl.files import PLAN, PROBLEM, sealed
 from symskill_pddl.worlds import DEFAULT, ready
+
+if TYPE_CHECKING:
+    from symskill_pddl.evaluation.moment import Moment
+    from symskill_pddl.evaluation.trial import Episode
+    from symskill_pddl.library import Library
 
 UNIFIED = "unified-planning:"
 
@@ -42,36 +47,55 @@ def export(
 
 def problem(
     library: options.LibraryArgument,
-    task: options.TaskOption,
     output: Annotated[Path, typer.Option("-o", "--output", help="The problem file to write.")],
+    task: Annotated[str | None, typer.Option("--task", help="A task of the world.")] = None,
     seed: options.SeedOption = 0,
     world: options.WorldOption = DEFAULT,
+    moment: Annotated[
+        str | None,
+        typer.Option("--from", metavar="MOMENT", help="Instead of a task: a moment of a recording, demos.hdf5:demo_0@2.5s."),
+    ] = None,
     goal: options.GoalOption = None,
+    goal_at: Annotated[
+        str | None, typer.Option("--goal-at", metavar="TIME", help="With --from: what the recording shows then, 8.5s or END.")
+    ] = None,
     dialect: options.DialectOption = "strips",
     name: NameOption = "learned",
     names: options.NamesOption = None,
     force: options.ForceFlag = False,
 ) -> None:
-    """Write an episode of a task as a PDDL problem: objects and atoms of its first scene, and its goal."""
-    from symskill_pddl.evaluation.trial import prepare
-
-    ready(world, task)
+    """Write an episode of a task, or a moment of a recording, as a PDDL problem: its objects and atoms, and its goal."""
+    if (task is None) == (moment is None):
+        raise InputError("say where the problem comes from: --task TASK of a world, or --from demos.hdf5:demo_0@0s")
+    if goal_at is not None and (moment is None or goal is not None):
+        raise InputError("--goal-at belongs to --from, and stands in place of --goal")
     learned = work.open_library(library)
     options.output(output, PROBLEM, force=force, inputs=[library, names])
-    with progress(f"setting up {task}, seed {seed}"):
-        episode = prepare(learned, task, seed, world=world, goal=goal, domain_name=name)
-    header = [f"task {task}, seed {seed}"]
-    for assumption in episode.assumed:
-        thing = assumption.atom.args[0]
-        told = f"assumed {assumption.atom}: {thing} is in no known relation, this is the nearest (margin {assumption.margin:.2f})"
-        header.append(told)
+    posed: Episode | Moment
+    if moment is not None:
+        posed, header = work.moment_problem(learned, moment, goal, goal_at, name)
+    else:
+        posed, header = _episode_problem(learned, task or "", seed, world, goal, name)
+    for a in posed.assumed:
+        header.append(f"assumed {a.atom}: {a.atom.args[0]} is in no known relation, this is the nearest (margin {a.margin:.2f})")
+    for told in header[1:]:
         remark(told)
     renamed = work.renames(names)
     made: list[work.File] = []
-    for form, folder in work.forms(episode.domain, dialect, output.parent):
-        made += work.exported_problem(episode.problem, episode.domain, folder / output.name, form, renamed, header)
+    for form, folder in work.forms(posed.domain, dialect, output.parent):
+        made += work.exported_problem(posed.problem, posed.domain, folder / output.name, form, renamed, header)
     work.write_all(made, force=force, inputs=[library, names])
-    remark(f"{output}: {len(episode.problem.objects)} objects, goal {' '.join(str(a) for a in sorted(episode.problem.goal))}")
+    remark(f"{output}: {len(posed.problem.objects)} objects, goal {' '.join(str(a) for a in sorted(posed.problem.goal))}")
+
+
+def _episode_problem(
+    learned: Library, task: str, seed: int, world: str, goal: str | None, name: str
+) -> tuple[Episode, list[str]]:
+    from symskill_pddl.evaluation.trial import prepare
+
+    ready(world, task)
+    with progress(f"setting up {task}, seed {seed}"):
+        return prepare(learned, task, seed, world=world, goal=goal, domain_name=name), [f"task {task}, seed {seed}"]
 
 
 def planners(json: options.JsonFlag = False) -> None:

@@ -20,6 +20,7 @@ JOBS = max(1, min(os.cpu_count() or 1, 8))
 
 if TYPE_CHECKING:
     from symskill_pddl.demos import Demo
+    from symskill_pddl.evaluation.moment import Moment
     from symskill_pddl.execution.config import ExecutionConfig
     from symskill_pddl.learning import LearnReport
     from symskill_pddl.learning.vision import VisionSelector
@@ -220,6 +221,18 @@ def exported_domain(
     )
     beside = (folder / "names.json", NAMES, names.dumps().encode())
     return names.domain(domain), ((folder / "domain.pddl", DOMAIN, sealed(text)), beside)
+
+
+def moment_problem(library: Library, text: str, goal: str | None, goal_at: str | None, name: str) -> tuple[Moment, list[str]]:
+    """The problem of a moment of a recording, and what its file says of it."""
+    from symskill_pddl.evaluation.moment import Address, at_time, find_demo, problem_at, sample_at
+
+    address = Address.parse(text)
+    demo = find_demo(address)
+    index = sample_at(demo, address.at_s)
+    goal_index = None if goal_at is None else sample_at(demo, at_time(goal_at, goal_at))
+    moment = problem_at(library, library.domain(name), demo, index, goal, goal_index)
+    return moment, [f"{demo.where} at {demo.times[index] - demo.times[0]:g} s", *moment.notes]
 
 
 def exported_problem(
