@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from symskill_pddl.abstraction import abstract_recording
+from symskill_pddl.abstraction import abstract_recording, one_place_along
 from symskill_pddl.demos import Demo, load_demos
 from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.evaluation.goals import goal_atoms
@@ -125,19 +125,8 @@ def sample_at(demo: Demo, at_s: float | None) -> int:
 
 def state_at(library: Library, demo: Demo, index: int) -> State:
     """The atoms that hold at a sample, seen as they come along."""
-    part = slice(0, index + 1)
-    truth = abstract_recording(
-        demo.objects,
-        demo.T_world_ee[part],
-        demo.aperture[part],
-        demo.gripper_closed[part],
-        demo.T_world_objects[part],
-        library.classifiers,
-        gripper=library.gripper,
-        frames=1,
-        seen=demo.seen[part],
-    )
-    return frozenset(atom for atom, holds in truth.items() if holds[-1])
+    truth = one_place_along(abstract_recording(demo, library.classifiers, library.gripper), library.classifiers)
+    return frozenset(atom for atom, holds in truth.items() if holds[index])
 
 
 def problem_at(library: Library, domain: Domain, demo: Demo, index: int, goal: str | None, goal_index: int | None) -> Moment:
