@@ -13,14 +13,14 @@ from time import perf_counter
 import numpy as np
 
 from symskill_pddl.abstraction import Debounced, abstract, one_place
-from symskill_pddl.errors import InputError
 from symskill_pddl.execution.config import MotionConfig
+from symskill_pddl.execution.guards import GuardedWorld
 from symskill_pddl.execution.recovery import backed_off, near, servo, way_back
 from symskill_pddl.execution.runner import Fingers
 from symskill_pddl.execution.steady import Steady
 from symskill_pddl.geometry import Array, Pose, quat_multiply, rotation_distance
 from symskill_pddl.library import Library
-from symskill_pddl.scene import Command, Live, Scene, Timed, World
+from symskill_pddl.scene import Command, Scene, World
 from symskill_pddl.skills import scalar
 from symskill_pddl.symbols import State
 
@@ -46,9 +46,9 @@ class Body:
     def __init__(
         self, world: World, library: Library, objects: Mapping[str, str], config: MotionConfig, debounce_s: float
     ) -> None:
-        self._world, self._library, self._objects, self._config = world, library, frozenset(objects), config
+        self._world, self._library, self._objects, self._config = GuardedWorld(world), library, frozenset(objects), config
         self._turns: dict[str, Array] = {}
-        self.scene = world.observe()
+        self.scene = self._world.last
         self._steady = Steady(self.scene)
         self.start_s = self.scene.time
         self._sense = Debounced(self._read(self.scene, frozenset()), self.scene.time, debounce_s)
@@ -57,11 +57,7 @@ class Body:
         self.grasp_entry = 0
         """Entry of `path` up to which the fingers were last open: where the present grasp was made."""
         self.closing = self.scene.gripper_closed
-        self._moving = False
-        self.live = isinstance(world, Live) and world.live
-        """Whether the world goes on while nobody steps it."""
-        self.period_s = world.period_s
-        self._timed = world if isinstance(world, Timed) else None
+        self.live, self.period_s = self._world.live, self._world.period_s
         self.ms: dict[str, float] = {}
 
     @property
@@ -82,14 +78,14 @@ class Body:
     def step(self, command: Command) -> None:
         """One control period: act, look, abstract. `ms` holds how long the parts took."""
         begin = perf_counter()
-        scene = same_objects(self._world.step(command), self.scene)
+        scene = self._world.step(command)
         seen = perf_counter()
         self.scene = self._turned(self._steady(scene))
         self._sense = self._sense.update(self._read(self.scene, self._sense.state), self.scene.time)
-        own = dict(self._timed.ms) if self._timed is not None else {}
+        own = self._world.ms
         world = 1e3 * (seen - begin) - sum(own.values())
         self.ms = {"world": world, **own, "abstract": 1e3 * (perf_counter() - seen)}
-        self.closing, self._moving = command.close_gripper, bool(command.twist.any())
+        self.closing = command.close_gripper
         moved, turned = scalar.apart(self.scene.T_world_ee, self.path[-1])
         if moved > _PATH_SPACING_M or turned > _PATH_SPACING_RAD:
             self.path.append(self.scene.T_world_ee)
@@ -140,8 +136,7 @@ class Body:
 
     def stop(self) -> None:
         """Take back a twist that was commanded last: nothing moves on while nobody looks."""
-        if self._moving:
-            self.wait()
+        self._world.stop()
 
     def hold(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
         """Stay where one is, fingers as they are, at most this long; whether `until` came true."""
@@ -184,24 +179,6 @@ class Body:
         """Back along the path one came, at most to its entry `since`; whether all of it was reached."""
         # every way point is a few centimetres off; one that is blocked ends the attempt
         return all(self.go(T, 2.0) for T in way_back(self.path[since:], length_m))
-
-
-def same_objects(scene: Scene, before: Scene) -> Scene:
-    """The scene, if it speaks of the objects of the one before.
-
-    Raises
-    ------
-    InputError
-        If an object has vanished, has come, or has another place in the order.
-    """
-    if scene.objects != before.objects or list(scene.objects) != list(before.objects):
-        lost, new = before.objects.keys() - scene.objects.keys(), scene.objects.keys() - before.objects.keys()
-        what = f"'{min(lost)}' has vanished" if lost else f"'{min(new)}' has come" if new else "types or order have changed"
-        raise InputError(
-            f"the world's scene at {scene.time:g} s: {what}; a world shows the same objects all the time, "
-            "and says in `unseen` which of them are out of sight"
-        )
-    return scene
 
 
 def _with(scene: Scene, name: str, T_world_object: Pose) -> Scene:

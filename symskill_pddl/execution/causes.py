@@ -17,7 +17,12 @@ VIOLATIONS = {
 }
 """What the monitor's violations come from. Effects that did not follow and are the step's own are those of the fingers."""
 
-ENDINGS = {Category.UNREACHABLE: Cause.PLANNING, Category.PLANNER: Cause.PLANNING, Category.TIME: Cause.TIMEOUT}
+ENDINGS = {
+    Category.UNREACHABLE: Cause.PLANNING,
+    Category.PLANNER: Cause.PLANNING,
+    Category.TIME: Cause.TIMEOUT,
+    Category.WORLD: Cause.EXTERNAL,
+}
 """What the endings come from that say so by themselves."""
 
 UNPLACED = "recover-assume"

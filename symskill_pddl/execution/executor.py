@@ -19,6 +19,7 @@ from symskill_pddl.execution.body import Body
 from symskill_pddl.execution.causes import cause_of, cause_of_run
 from symskill_pddl.execution.config import ExecutionConfig
 from symskill_pddl.execution.deliberation import Deliberation, Planned
+from symskill_pddl.execution.guards import WorldFailedError, ended_by_signals
 from symskill_pddl.execution.journal import Journal
 from symskill_pddl.execution.lines import Header, OutcomeLine, TimesLine, rows, step_line, tick_line
 from symskill_pddl.execution.monitor import (
@@ -107,10 +108,13 @@ def execute(
     # the library's own extents are those its classifiers and skills were learned with
     sizes = {**(extents or {}), **library.extents}
     run = _Run(world, library, domain, goal, planner, config, objects, sizes, rng, journal, on_step)
-    try:
-        category, reason = run.closed_loop() if monitor else run.open_loop()
-    finally:
-        run.body.stop()
+    with ended_by_signals():
+        try:
+            category, reason = run.closed_loop() if monitor else run.open_loop()
+        except WorldFailedError as error:
+            category, reason = Category.WORLD, str(error)
+        finally:
+            run.body.stop()
     cause = cause_of_run(category, journal.troubles, journal.recoveries)
     outcome = Outcome(
         success=category is Category.SUCCESS,

@@ -17,6 +17,8 @@ class Category(StrEnum):
     PLANNER = "planner failed"
     REPLANS = "replan limit"
     TIME = "time limit"
+    WORLD = "world failed"
+    """The world raised, stood still, or showed what a robot cannot be moved by."""
     MISSED = "goal missed"
     """Without monitor, or without planning again: the plan is over or was left, and the goal does not hold."""
 
