@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from symskill_pddl.cli import options, work
+from symskill_pddl.cli import answers, options, work
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.errors import InputError, NoPlanError
 from symskill_pddl.files import PLAN, PROBLEM, sealed
@@ -122,32 +122,26 @@ def plan(
     planner: options.PlannerOption = None,
     timeout: Annotated[float, typer.Option(help="Time limit [s].")] = 10.0,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="The plan file; without it the plan is printed.")] = None,
+    any_plan: Annotated[bool, typer.Option("--any-plan", help="Any plan will do, whatever the problem's metric.")] = False,
     json: options.JsonFlag = False,
     force: options.ForceFlag = False,
 ) -> None:
-    """Solve a problem. Exit status 1, and an explanation, if there is no plan."""
-    from symskill_pddl.pddl import write_plan
-    from symskill_pddl.planning import Limits, get, why_not
+    """Solve a problem, whoever wrote it. Exit status 1, and an explanation, if there is no plan.
 
-    read = work.read_domain_file(domain)
-    posed = work.read_problem_file(problem, read)
+    Planners that read PDDL are given the files as they are; the plan is validated by our own reading of them.
+    """
+    from symskill_pddl.pddl import write_plan
+    from symskill_pddl.planning import Limits, get
+    from symskill_pddl.planning.foreign import explained, solve
+
+    task = work.read_task_files(domain, problem)
     engine = get(planner or "auto")
     file = options.output(output, PLAN, force=force, inputs=[domain, problem]) if output is not None else None
     with progress(f"planning with {engine.name}"):
-        result = engine.solve(read, posed, Limits(time_s=timeout))
-    why = () if result.plan is not None else why_not(read, posed)
+        result = solve(engine, task, Limits(time_s=timeout), any_plan=any_plan)
+    why = explained(task, result)
     if json:
-        emit_json(
-            {
-                "status": result.status.value,
-                "planner": result.planner,
-                "seconds": round(result.seconds, 4),
-                "steps": None if result.plan is None else [[name, *args] for name, args in result.plan.steps],
-                "cost": None if result.plan is None else result.plan.cost,
-                "messages": list(result.messages),
-                "why_not": list(why),
-            }
-        )
+        emit_json(answers.document(result, why))
         if result.plan is None:
             raise typer.Exit(1)
     if result.plan is None:
@@ -161,6 +155,8 @@ def plan(
         say(text.rstrip("\n"))
     count = len(result.plan)
     remark(f"{count} step{'' if count == 1 else 's'} in {result.seconds:.3f} s (planner {result.planner})")
+    for line in result.messages:
+        remark(line)
 
 
 def check(
@@ -186,7 +182,9 @@ def check(
     if problem is not None:
         posed = work.read_problem_file(problem, edited)
         if plan is not None:
-            steps = work.read_plan_file(plan, edited, posed)
+            steps, said = work.read_plan_file(plan, edited, posed)
+            for line in said:
+                remark(line)
             try:
                 validate(edited, posed, steps)
             except InputError as error:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from symskill_pddl.learning import LearnReport
     from symskill_pddl.learning.vision import VisionSelector
     from symskill_pddl.library import Experience, Library
-    from symskill_pddl.pddl import Names
+    from symskill_pddl.pddl import Names, Task
     from symskill_pddl.pddl.check import Comparison
     from symskill_pddl.symbols import Domain, Plan, Problem
 
@@ -289,11 +289,19 @@ def read_problem_file(path: Path, domain: Domain) -> Problem:
     return read_problem(read_text(path, "problem"), domain, str(path))
 
 
-def read_plan_file(path: Path, domain: Domain, problem: Problem) -> Plan:
-    """A plan of a problem."""
-    from symskill_pddl.pddl import read_plan
+def read_task_files(domain: Path, problem: Path) -> Task:
+    """A domain and a problem as somebody wrote them."""
+    from symskill_pddl.pddl import read_task
 
-    return read_plan(read_text(path, "plan"), domain, problem.object_types, str(path))
+    return read_task(read_text(domain, "domain"), read_text(problem, "problem"), str(domain), str(problem))
+
+
+def read_plan_file(path: Path, domain: Domain, problem: Problem) -> tuple[Plan, tuple[str, ...]]:
+    """A plan of a problem, or what a planner printed with one in it; and what is to be said of it."""
+    from symskill_pddl.pddl import read_plans
+
+    read = read_plans(read_text(path, "plan"), domain, problem.object_types, str(path))[-1]
+    return read.plan, read.remarks
 
 
 def open_edited(path: Path, domain: Path | None) -> Library:

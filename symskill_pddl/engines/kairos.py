@@ -36,11 +36,16 @@ def load(domain: str) -> Callable[..., tuple[str, Any, tuple[str, ...]]]:
                 name = found.status.name
                 said = tuple(_line(d) for d in found.diagnostics)
                 return _STATUS.get(name, "failed"), None, (f"kairos says '{name.lower()}'", *said)
-        # in order of their start, where the plan is temporal
-        steps = sorted(plan.steps, key=lambda step: step.time) if plan.temporal else plan.steps
-        return "solved", tuple((step.name, tuple(step.args)) for step in steps), ()
+        if plan.temporal:
+            return "solved", "".join(map(_timed, sorted(plan.steps, key=lambda step: step.time))), ()
+        return "solved", tuple((step.name, tuple(step.args)) for step in plan.steps), ()
 
     return ask
+
+
+def _timed(step: Any) -> str:
+    length = "" if step.duration is None else f" [{step.duration:.6f}]"
+    return f"{step.time:.6f}: ({' '.join((step.name, *step.args))}){length}\n"
 
 
 def _line(said: object) -> str:

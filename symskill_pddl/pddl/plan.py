@@ -1,43 +1,43 @@
-"""Plans as text: the formats that planners print, read strictly.
+"""Plans as text: written plainly, and read from what planners print, strictly in what they mean.
 
-A step is ``(operator object ...)`` on a line of its own, in any case. Tolerated around it: a time before (``0.000:``), a duration
-after (``[1.0]``), a comment, blank lines. A line ``; cost = 3 (unit cost)`` gives the cost.
-Anything else is an error with its line.
+`printed` finds the plans; here every step has to be a known action with known objects of the right number and types. Of several
+plans the last counts, for planners that print several print better and better ones; `remarks` say so.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
 
 from symskill_pddl.errors import InputError, ParseError
+from symskill_pddl.pddl.printed import Block, blocks, together
 from symskill_pddl.symbols import Domain, Plan
 
-_COST = re.compile(r";\s*cost\s*=\s*([0-9.]+)", re.IGNORECASE)
-_STEP = re.compile(r"(?:([0-9]+(?:\.[0-9]*)?)\s*:)?\s*\(([^()]*)\)\s*(?:\[\s*([0-9]+(?:\.[0-9]*)?)\s*\]\)?)?")
+Check = Callable[[str, tuple[str, ...]], object]
+"""Raises `InputError` where an action does not exist or cannot take these arguments."""
+
+
+@dataclass(frozen=True)
+class Read:
+    """A plan and what is to be said of it."""
+
+    plan: Plan
+    remarks: tuple[str, ...] = ()
 
 
 def write_plan(plan: Plan) -> str:
-    """One step a line, and the cost as a last comment where it is known."""
+    """One step a line, with its time where the plan has times, and the cost as a last comment where it is known."""
     lines = ["(" + " ".join((name, *args)) + ")" for name, args in plan.steps]
+    if plan.times is not None:
+        timed = zip(lines, plan.times, strict=True)
+        lines = [f"{start:.3f}: {line}" + ("" if length is None else f" [{length:.3f}]") for line, (start, length) in timed]
     if plan.cost is not None:
         lines.append(f"; cost = {plan.cost:g}")
     return "".join(line + "\n" for line in lines)
 
 
-def step_lines(output: str, domain: Domain) -> str:
-    """The lines of a program's output that are steps of known operators, for `read_plan`; everything else is talk."""
-    known = {op.name.lower() for op in domain.operators}
-    kept = []
-    for line in output.splitlines():
-        match = _STEP.fullmatch(line.partition(";")[0].strip())
-        if match and match[2].lower().split()[:1] and match[2].lower().split()[0] in known:
-            kept.append(line)
-    return "".join(line + "\n" for line in kept)
-
-
 def read_plan(text: str, domain: Domain, objects: Mapping[str, str], source: str = "<plan>") -> Plan:
-    """Parse a plan; every step has to be a known operator with known objects of the right number and types.
+    """Parse a plan of a domain of ours; of several, the last.
 
     Parameters
     ----------
@@ -47,32 +47,57 @@ def read_plan(text: str, domain: Domain, objects: Mapping[str, str], source: str
     Raises
     ------
     ParseError
-        With the line: not a step, or an unknown or ill-typed one.
+        With the line: there is no plan, or a step is malformed, unknown or ill-typed.
     """
-    spelled = {name.lower(): name for name in objects}
-    operators = {op.name.lower(): op.name for op in domain.operators}
-    steps: list[tuple[float, int, tuple[str, tuple[str, ...]]]] = []
-    cost: float | None = None
-    for number, line in enumerate(text.splitlines(), start=1):
-        if match := _COST.match(line.strip()):
-            cost = float(match[1])
-        code = line.partition(";")[0].strip()
-        if not code:
-            continue
-        match = _STEP.fullmatch(code)
-        column = line.index(code[0]) + 1
-        if match is None:
-            raise ParseError(
-                f"expected a step like '(pick apple table)', got '{code}'", source=source, line=number, column=column
-            )
-        words = match[2].lower().split()
-        if not words:
-            raise ParseError("expected an operator's name, got '()'", source=source, line=number, column=column)
-        name, args = operators.get(words[0], words[0]), tuple(spelled.get(word, word) for word in words[1:])
+    return read_plans(text, domain, objects, source)[-1].plan
+
+
+def read_plans(text: str, domain: Domain, objects: Mapping[str, str], source: str = "<plan>") -> tuple[Read, ...]:
+    """Every plan in a text, in its order; raises as `read_plan`."""
+
+    def check(name: str, args: tuple[str, ...]) -> object:
+        return domain.ground(domain.operator(name), args, objects)
+
+    return printed_plans(text, [o.name for o in domain.operators], list(objects), check, source)
+
+
+def printed_plans(
+    text: str, actions: Collection[str], objects: Collection[str], check: Check, source: str = "<plan>"
+) -> tuple[Read, ...]:
+    """Every plan in a text, in its order; raises `ParseError` as `read_plan`, where the last of them is not in order."""
+    named, spelled = {a.lower(): a for a in actions}, {o.lower(): o for o in objects}
+    found = blocks(text, named.keys(), source)
+    read: list[Read] = []
+    for i, block in enumerate(found):
+        last = i + 1 == len(found)
         try:
-            domain.ground(domain.operator(name), args, objects)
+            plan = _plan(block, named, spelled, check, source)
+        except ParseError:
+            if last:
+                raise
+            continue
+        said = [f"of {len(found)} plans in {source} this is number {i + 1}"] if len(found) > 1 else []
+        same = next(together(block.lines), None) if block.clock else None
+        if same is not None:
+            one, other = same
+            said.append(
+                f"the steps on the lines {one.at[0]} and {other.at[0]} of {source} start at the same time, {one.start:g}: "
+                "their order is that of the lines, not of the times"
+            )
+        read.append(Read(plan, tuple(said)))
+    return tuple(read)
+
+
+def _plan(block: Block, named: Mapping[str, str], spelled: Mapping[str, str], check: Check, source: str) -> Plan:
+    steps = []
+    for i, line in enumerate(block.lines):
+        name, args = named.get(line.words[0], line.words[0]), tuple(spelled.get(w, w) for w in line.words[1:])
+        try:
+            check(name, args)
         except InputError as error:
-            raise ParseError(str(error), source=source, line=number, column=column) from None
-        steps.append((float(match[1]) if match[1] else float(len(steps)), len(steps), (name, args)))
-    timed = sorted(steps, key=lambda s: s[:2])  # a temporal plan may list its steps in any order
-    return Plan(tuple(step for _, _, step in timed), cost)
+            raise ParseError(str(error), source=source, line=line.at[0], column=line.at[1]) from None
+        steps.append((line.start if line.start is not None else float(i), i, line, (name, args)))
+    steps.sort(key=lambda s: s[:2])  # a temporal plan may list its steps in any order
+    timed = block.clock and all(line.start is not None for line in block.lines)
+    times = tuple((start, line.length) for start, _, line, _ in steps) if timed else None
+    return Plan(tuple(step for *_, step in steps), block.cost, times)

@@ -126,7 +126,7 @@ def _feature(part: object) -> str:
 
 
 def read_task(domain_text: str, problem_text: str, domain_source: str = "<domain>", problem_source: str = "<problem>") -> Task:
-    """Read both texts.
+    """Read both texts; the mark that some editors put before the first byte is left out, for planners stumble over it.
 
     Raises
     ------
@@ -135,4 +135,5 @@ def read_task(domain_text: str, problem_text: str, domain_source: str = "<domain
     """
     domain = FileReader(domain_source).domain(domain_text)
     problem = FileReader(problem_source).problem(problem_text, domain.name, domain.vocabulary)
-    return Task(domain_text, problem_text, domain, problem, (domain_source, problem_source))
+    first, second = domain_text.removeprefix("\ufeff"), problem_text.removeprefix("\ufeff")
+    return Task(first, second, domain, problem, (domain_source, problem_source))
