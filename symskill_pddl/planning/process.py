@@ -24,7 +24,7 @@ from symskill_pddl.errors import InputError, shown
 from symskill_pddl.planning.protocol import Limits
 
 _GRACE_S = 0.5
-_GRACE_PART = 0.1
+_GRACE_PART = 0.05
 """Between asking a program to end and ending it: this part of its time, and so many seconds at most."""
 _PATIENCE_S, _LONG_S = 10.0, 1e6
 """With the process that watches, after its time; a call of so many seconds is waited for without end."""

@@ -2,7 +2,6 @@
 
 import json
 import threading
-import time
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import pytest
@@ -18,6 +17,7 @@ class Model:
 
     def __init__(self):
         self.replies, self.seen, self.kind = [], [], "openai"
+        self.closed = threading.Event()
         self._server = ThreadingHTTPServer(("127.0.0.1", 0), self._handler())
         self._server.daemon_threads = True
         threading.Thread(target=self._server.serve_forever, daemon=True).start()
@@ -27,6 +27,7 @@ class Model:
         return f"http://127.0.0.1:{self._server.server_address[1]}"
 
     def close(self):
+        self.closed.set()
         self._server.shutdown()
         self._server.server_close()
 
@@ -39,7 +40,7 @@ class Model:
                 if callable(reply):
                     reply = reply(body)
                 if reply == "hang":
-                    time.sleep(1.5)
+                    model.closed.wait()
                     return
                 if reply in ("stall", "drip", "drip-head"):
                     self._slow(reply)
@@ -67,11 +68,13 @@ class Model:
                     self.send_response(500 if how == "stall" else 200)
                     self.send_header("Content-Length", "1000")
                     self.end_headers()
-                for _ in range(30):
+                while not model.closed.wait(0.05):
                     if how != "stall":
-                        self.wfile.write(b"x")
-                        self.wfile.flush()
-                    time.sleep(0.05)
+                        try:
+                            self.wfile.write(b"x")
+                            self.wfile.flush()
+                        except OSError:  # who asked has gone
+                            return
 
             def log_message(self, *_):
                 pass

@@ -16,7 +16,7 @@ def demos():
 
 def selector(model, **config):
     endpoint = endpoint_named("openai:local", model.url, {})
-    return VisionSelector(Asker(endpoint, AskConfig(**{"timeout_s": 2.0, "attempts": 1, **config})), lambda d, i, o: b"%d" % i)
+    return VisionSelector(Asker(endpoint, AskConfig(**{"timeout_s": 60.0, "attempts": 1, **config})), lambda d, i, o: b"%d" % i)
 
 
 def right(body):
