@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from symskill_pddl.cli.settings import parameters, table
 from symskill_pddl.files import write_atomic
-from symskill_pddl.learning.parameters import parameters, table
 
 PAGE = Path(__file__).parent.parent / "docs" / "learning.md"
 MARK = "<!-- parameters: made by benchmarks/learning_parameters.py -->\n"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from symskill_pddl.abstraction import Classifier, GripperRule
 from symskill_pddl.errors import InputError, alternatives
@@ -102,6 +102,8 @@ class Library:
     """The demonstrations it was learned from, by source: the content of a file of demonstrations."""
     runs: tuple[str, ...] = ()
     """Checksums of the recorded runs that its operators' experience comes from."""
+    hints: Mapping[str, Any] = field(default_factory=dict)
+    """What a person said when it was learned (`learning.hints`): tables of texts."""
 
     @property
     def max_period_s(self) -> float:

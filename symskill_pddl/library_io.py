@@ -211,6 +211,7 @@ class _Document(_Model):
     margins: dict[str, float] = {}
     recordings: dict[str, _File] = {}
     runs: tuple[str, ...] = ()
+    hints: dict[str, Any] = {}
 
 
 def _atoms(atoms: Iterable[Atom]) -> list[_Atom]:
@@ -259,6 +260,7 @@ def _as_json(library: Library) -> dict[str, Any]:
         "extents_m": {t: library.extents[t] for t in sorted(library.extents)},
         "margins": {p: library.margins[p] for p in sorted(library.margins)},
         "runs": library.runs,
+        "hints": dict(library.hints),
     }
 
 
@@ -339,6 +341,7 @@ def _from_json(d: _Document, skills: Mapping[str, Skill], recordings: Mapping[st
         margins=dict(d.margins),
         recordings=dict(recordings),
         runs=d.runs,
+        hints=d.hints,
     )
 
 

@@ -15,6 +15,7 @@ from symskill_pddl.files import DEMOS, DRAWING
 from symskill_pddl.worlds import DEFAULT, ready
 
 if TYPE_CHECKING:
+    from symskill_pddl.learning import LearnConfig
     from symskill_pddl.learning.vision import VisionSelector
 
 TRACE = ".jsonl"
@@ -70,10 +71,29 @@ def learn(
         bool, typer.Option("--insecure", help="Send the key over plain http to another machine, readable to all on the way.")
     ] = False,
     force: ForceFlag = False,
+    config: Annotated[
+        Path | None, typer.Option("--config", metavar="FILE", help="Settings of learning, a TOML file; see --help-config.")
+    ] = None,
+    hints: Annotated[
+        Path | None, typer.Option("--hints", metavar="FILE", help="What geometry cannot know, a TOML file; docs/learning.md.")
+    ] = None,
+    hint: Annotated[
+        list[str] | None,
+        typer.Option("--hint", metavar="KEY=VALUE", help="One hint, such as joints.block=free; may be repeated."),
+    ] = None,
+    help_config: Annotated[
+        bool, typer.Option("--help-config", help="Show every setting with its value, unit and reason, and exit.")
+    ] = False,
 ) -> None:
     """Learn predicates, operators and skills from demonstrations, and costs from recorded runs."""
+    from symskill_pddl.cli.settings import parameters, read_settings
     from symskill_pddl.cli.work import check_replaced, learn_costs, read_runs, vision_selector
 
+    settings = read_settings(config, hints, hint or ())
+    if help_config:
+        rows = [(e.name, e.value, e.unit, e.reason) for e in parameters(settings)]
+        table("Settings of learning (A is the widest opening of the hand)", ("setting", "value", "unit", "reason"), rows)
+        return
     target = output if into is None else into
     if target is None or (output is not None and into is not None):
         raise InputError("say where the library goes: -o FOLDER for a new one, or --into LIBRARY to add to one")
@@ -91,7 +111,7 @@ def learn(
         selector = None
         if references is not None:
             selector = vision_selector(references, references_url, references_cache, insecure=insecure)
-        _learn_demos(demos, target, into=into is not None, selector=selector)
+        _learn_demos(demos, target, into=into is not None, selector=selector, config=settings)
     if runs:
         learned, told = learn_costs(counted, target)
         for name in told:
@@ -101,15 +121,18 @@ def learn(
             remark(f"{o.operator.name}: {own.successes} of {own.tries} tries worked, cost {o.operator.cost:g} s")
 
 
-def _learn_demos(files: list[Path], target: Path, *, into: bool, selector: VisionSelector | None) -> None:
+def _learn_demos(files: list[Path], target: Path, *, into: bool, selector: VisionSelector | None, config: LearnConfig) -> None:
+    from symskill_pddl.cli.settings import derived
     from symskill_pddl.cli.work import learn_from
 
-    library, report = learn_from(files, target, into=into, selector=selector)
+    library, report = learn_from(files, target, into=into, selector=selector, config=config)
     if selector is not None:
         for note in (*selector.agreement.notes, str(selector.agreement)):
             remark(note)
     for note in report.notes:
         remark(note)
+    for line in derived(report.symbols.demos):
+        remark(line)
     remark(report.summary)
     spent = sum(seconds for _, seconds in report.seconds)
     counts = f"{len(library.classifiers)} predicates, {len(library.operators)} operators, {len(library.skills)} skills"

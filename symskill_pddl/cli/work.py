@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from symskill_pddl.demos import Demo
     from symskill_pddl.evaluation.moment import Moment
     from symskill_pddl.execution.config import ExecutionConfig
-    from symskill_pddl.learning import LearnReport
+    from symskill_pddl.learning import LearnConfig, LearnReport
     from symskill_pddl.learning.vision import VisionSelector
     from symskill_pddl.library import Experience, Library
     from symskill_pddl.pddl import Names, Task
@@ -52,14 +52,21 @@ def check_replaced(folder: Path, files: Sequence[Path], *, force: bool) -> None:
 
 
 def learn_from(
-    files: Sequence[Path], folder: Path, *, into: bool = False, replace: bool = True, selector: VisionSelector | None = None
+    files: Sequence[Path],
+    folder: Path,
+    *,
+    into: bool = False,
+    replace: bool = True,
+    selector: VisionSelector | None = None,
+    config: LearnConfig | None = None,
 ) -> tuple[Library, LearnReport]:
     """Learn from files of demonstrations, and save the library when all went well; nobody else writes it meanwhile.
 
     `into`: there is a library in `folder`; learn from its demonstrations too. `replace`: another one that is there may be
-    replaced. `selector` chooses references.
+    replaced. `selector` chooses references. The hints of a library that is added to stay, as far as `config` has no others.
     """
     from symskill_pddl.demos import load_demos
+    from symskill_pddl.learning import LearnConfig
     from symskill_pddl.library_io import writing
 
     if len({f.stem for f in files}) != len(files):
@@ -70,20 +77,22 @@ def learn_from(
     if into:
         open_library(folder)  # where there is none nothing is made
     with writing(folder, replace=into or replace) as save:
-        library, report = _learned(demos, open_library(folder) if into else None, selector)
+        library, report = _learned(demos, open_library(folder) if into else None, selector, config or LearnConfig())
         save(library)
     return library, report
 
 
-def _learned(demos: list[Demo], old: Library | None, selector: VisionSelector | None) -> tuple[Library, LearnReport]:
+def _learned(
+    demos: list[Demo], old: Library | None, selector: VisionSelector | None, config: LearnConfig
+) -> tuple[Library, LearnReport]:
     from symskill_pddl.learning import added, learn_reported
 
     if old is not None:
-        demos = list(added(old, demos))
+        demos, config = list(added(old, demos)), config.with_older_hints(old.hints)
     title = f"learning from {len(demos)} demonstrations in {len({d.source for d in demos})} files"
     with progress(title) as advance:
         library, report = learn_reported(
-            demos, jobs=JOBS, progress=lambda stage: advance(text=f"{title}: {stage}"), selector=selector
+            demos, config, jobs=JOBS, progress=lambda stage: advance(text=f"{title}: {stage}"), selector=selector
         )
     if old is not None:
         from symskill_pddl.execution.experience import with_experience

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -15,24 +15,19 @@ from numpy.typing import NDArray
 from symskill_pddl import workers
 from symskill_pddl.demos import Demo, decode_demos, encode_demos
 from symskill_pddl.errors import LearningError
+from symskill_pddl.learning.config import LearnConfig
+from symskill_pddl.learning.hints import hinted
 from symskill_pddl.learning.operators import OperatorGroup
 from symskill_pddl.learning.report import LeftOut, summary
 from symskill_pddl.learning.segments import Episode
 from symskill_pddl.learning.skills import SkillConfig, learn_skill
-from symskill_pddl.learning.symbolic import Selector, SymbolConfig, Symbolic, learn_symbols
+from symskill_pddl.learning.symbolic import Selector, Symbolic, learn_symbols
 from symskill_pddl.library import LearnedOperator, Library
 from symskill_pddl.skills import Skill
 from symskill_pddl.symbols import Type
 
 Fit = tuple[Skill, tuple[str, ...]]
 """A skill, and notes on demonstrations that were left out of it."""
-
-
-@dataclass(frozen=True)
-class LearnConfig(SymbolConfig):
-    """All settings of learning, stage by stage."""
-
-    skills: SkillConfig = field(default_factory=SkillConfig)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,15 +118,27 @@ def learn_reported(
     config = config or LearnConfig()
     clock = _Clock(progress)
     demos, same = _distinct(_sorted(demos))
-    found = learn_symbols(demos, config, selector=selector, progress=clock.stage)
+    read = hinted(demos, config.hints)
+    found = learn_symbols(read, config, selector=selector, progress=clock.stage)
     clock.stage("skills")
     groups, learned, skills, failed = _skills(found.groups, config.skills, jobs)
     clock.stage("")
-    types = tuple(Type(name) for name in sorted({t for demo in demos for t in demo.objects.values()}))
+    types = tuple(Type(name) for name in sorted({t for demo in read for t in demo.objects.values()}))
     margins = {name: p.margin for name, p in zip(found.places, found.relations.places, strict=True) if np.isfinite(p.margin)}
     sources = sorted({demo.source for demo in demos})
     recordings = {source: encode_demos([d for d in demos if d.source == source], source) for source in sources}
-    library = Library(types, found.classifiers, learned, skills, found.goals, found.gripper, found.extents, margins, recordings)
+    library = Library(
+        types,
+        found.classifiers,
+        learned,
+        skills,
+        found.goals,
+        found.gripper,
+        found.extents,
+        margins,
+        recordings,
+        hints=config.hints.document(),
+    )
     remarks = (*same, *found.remarks)
     return library, LearnReport(found, tuple(clock.spent), groups, margins, remarks, (*found.left_out, *failed))
 

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 
+from symskill_pddl.demos import Demo
+from symskill_pddl.errors import LearningError
+from symskill_pddl.learning.hints import Hints, moment
 from symskill_pddl.learning.references import Extents
 from symskill_pddl.learning.relations import Label, Place, Relations
+from symskill_pddl.symbols import Predicate
 
+MIRRORED = 0.3
+"""Two ways to turn or slide that differ by less than this [rad or m] but for the side are called alike."""
 TURN_IN_PLACE_M = 0.12
 """What the gripper turns this near to its hinge is a knob or a lever; farther away, a door."""
 
@@ -35,42 +43,103 @@ def unique(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(out)
 
 
-def place_names(relations: Relations, extents: Extents) -> tuple[str, ...]:
-    """One name per place: `door-closed`, `door-ajar`, `door-open`, `food-in-cabinet`, `food-on-counter`."""
+def place_names(relations: Relations, extents: Extents, closed: Mapping[str, int] | None = None) -> tuple[str, ...]:
+    """One name per place: `door-closed`, `door-ajar`, `door-open`, `food-in-cabinet`, `food-on-counter`.
+
+    `closed` is, by type, the place that a person calls closed.
+    """
     names = [""] * len(relations.places)
     for pair in sorted({p.types for p in relations.places}):
         of_pair = [i for i, p in enumerate(relations.places) if p.types == pair and not p.held]
         for i, place in enumerate(relations.places):
             if place.types == pair and place.held:
                 names[i] = f"{slug(pair[0])}-above-{slug(pair[1])}"
-        jointed = relations.places[of_pair[0]].joint is not None
-        made = _states(relations, of_pair) if jointed else _positions(relations.places, of_pair, extents)
+        if not of_pair:
+            continue
+        if relations.places[of_pair[0]].joint is None:
+            made = _positions(relations.places, of_pair, extents)
+        elif pair[0] in (closed or {}) or all(t in extents for t in pair):
+            made = _states(relations, of_pair, (closed or {}).get(pair[0]))
+        else:
+            made = _coordinates(relations, of_pair)
         for i, name in made.items():
             names[i] = name
     # a hinged type with two reference types: say which
     for i, place in enumerate(relations.places):
-        if names.count(names[i]) > 1 and place.joint is not None:
+        if place.joint is not None and any(
+            n == names[i] and p.types != place.types for n, p in zip(names, relations.places, strict=True)
+        ):
             names[i] = f"{names[i]}-at-{slug(place.types[1])}"
     return unique(names)
 
 
-def _states(relations: Relations, members: Sequence[int]) -> dict[int, str]:
-    """Joint positions in words, by their distance from the reference's own orientation (or origin)."""
+def closed_places(demos: Sequence[Demo], relations: Relations, hints: Hints) -> dict[str, int]:
+    """By type, the place that an object of it is at, at the moment that a hint calls closed.
+
+    Raises
+    ------
+    LearningError
+        If it is at no place then.
+    """
+    found = {}
+    for type_, text in sorted(hints.closed.items()):
+        where, time = moment(text)
+        demo = next(d for d in demos if d.where == where)
+        at = min(int(np.searchsorted(demo.times, demo.times[0] + time)), len(demo) - 1)
+        margins = {
+            i: float(p.shape.classifier(Predicate("place", p.types), *p.types).margin(T))
+            for i, p in enumerate(relations.places)
+            if p.types[0] == type_ and p.joint is not None
+            for ref, t in demo.objects.items()
+            for obj, own in demo.objects.items()
+            if (own, t) == p.types and obj != ref
+            for T in [demo.pose(ref)[at].inverse() @ demo.pose(obj)[at]]
+        }
+        best = max(margins, key=lambda i: margins[i], default=None)
+        if best is None or margins[best] < 0.0:
+            raise LearningError(f"hint closed.{type_}: at {text} no {type_} rests in a state that the demonstrations show")
+        found[type_] = best
+    return found
+
+
+def _states(relations: Relations, members: Sequence[int], closed: int | None) -> dict[int, str]:
+    """Joint positions in words, by their distance from the closed one, or from the reference's own orientation (or origin).
+
+    Positions that are equally far, as of doors that open to the left and to the right, are called alike.
+    """
     places = relations.places
     child = slug(places[members[0]].types[0])
 
     def opening(i: int) -> float:
         p = places[i]
+        if closed is not None:
+            return abs(p.coordinate - places[closed].coordinate)
         return abs(p.coordinate) if p.joint is not None and p.joint.kind == "hinge" else float(np.linalg.norm(p.shape.T_mean.p))
 
     ranked = sorted(members, key=lambda i: (opening(i), i))
     least, between, most = ("unturned", "half-turned", "turned") if _turns(relations, members) else ("closed", "ajar", "open")
     if len(ranked) == 1:
         joint = places[ranked[0]].joint
-        shut = joint is None or joint.kind == "slide" or opening(ranked[0]) < np.radians(20.0)
+        shut = ranked[0] == closed or joint is None or joint.kind == "slide" or opening(ranked[0]) < np.radians(20.0)
         return {ranked[0]: f"{child}-{least if shut else most}"}
-    words = [least, *[between if k == 0 else f"{between}-{k + 1}" for k in range(len(ranked) - 2)], most]
-    return {i: f"{child}-{word}" for i, word in zip(ranked, words, strict=True)}
+    levels = [0]
+    for a, b in pairwise(ranked):
+        mirrored = places[a].coordinate * places[b].coordinate < 0.0 and opening(b) - opening(a) < MIRRORED
+        levels.append(levels[-1] + (not mirrored))
+    words = [least, *[between if k == 1 else f"{between}-{k}" for k in range(1, levels[-1])], most]
+    return {i: f"{child}-{words[level] if levels[-1] else most}" for i, level in zip(ranked, levels, strict=True)}
+
+
+def _coordinates(relations: Relations, members: Sequence[int]) -> dict[int, str]:
+    """Joint positions as angles or lengths from the one that motions begin at most often: nothing says which one is closed."""
+    places, begins = relations.places, Counter(label.start for label in relations.labels)
+    first = min(members, key=lambda i: (-begins[i], -len(places[i].demos), i))
+    names = {}
+    for i in members:
+        away, joint = abs(places[i].coordinate - places[first].coordinate), places[i].joint
+        hinge = joint is not None and joint.kind == "hinge"
+        names[i] = f"{slug(places[i].types[0])}-at-" + (f"{np.degrees(away):.0f}deg" if hinge else f"{100 * away:.0f}cm")
+    return names
 
 
 def _turns(relations: Relations, members: Sequence[int]) -> bool:

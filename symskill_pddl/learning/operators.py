@@ -15,22 +15,11 @@ from symskill_pddl.learning.naming import operator_name, operator_names, slug
 from symskill_pddl.learning.references import Extents
 from symskill_pddl.learning.relations import Relations
 from symskill_pddl.learning.report import SHOW_AGAIN, LeftOut
+from symskill_pddl.learning.scale import RelationConfig
 from symskill_pddl.learning.transitions import Transition
 from symskill_pddl.library import Evidence, LearnedOperator
 from symskill_pddl.scene import GRIPPER
 from symskill_pddl.symbols import GRIPPER_OPEN, Absent, Atom, Operator, Parameter, State
-
-
-@dataclass(frozen=True)
-class OperatorConfig:
-    """What is odd, and what counts as room for a second object."""
-
-    odd_of: int = 3
-    """A transition that one demonstration shows, of a task with at least this many, is odd and left out."""
-    absent_from: int = 2
-    """Least number of transitions that have to witness an absence before it becomes a precondition; one may be chance."""
-    default_half_m: float = 0.03
-    """Half size of objects whose extents are not known."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +41,8 @@ class Vocabulary:
         Names of `relations.places` and `relations.contacts`.
     single : frozenset of str
         Predicates of which a reference never has more than one object (`transitions.never_shared`).
+    half_m : float
+        Half size [m] of objects whose extents are not known.
     """
 
     relations: Relations
@@ -60,6 +51,7 @@ class Vocabulary:
     contacts: Sequence[str]
     extents: Extents
     single: frozenset[str] = frozenset()
+    half_m: float = 0.03
 
     def contact(self, t: Transition) -> str:
         """How the hand acts on what it moves."""
@@ -81,10 +73,10 @@ class Vocabulary:
 
 
 def learn_operators(
-    found: Sequence[Transition], demos: Sequence[Demo], words: Vocabulary, config: OperatorConfig | None = None
+    found: Sequence[Transition], demos: Sequence[Demo], words: Vocabulary, config: RelationConfig | None = None
 ) -> tuple[tuple[OperatorGroup, ...], tuple[LeftOut, ...]]:
     """One operator per group of transitions with the same lifted effects, and what was left out."""
-    config = config or OperatorConfig()
+    config = config or RelationConfig()
     shown = Counter(demo.task for demo in demos)
     groups: dict[tuple[str, ...], list[Transition]] = defaultdict(list)
     for t in found:
@@ -126,7 +118,7 @@ def _operator(
     group: Sequence[Transition],
     states: Sequence[tuple[Transition, State]],
     words: Vocabulary,
-    config: OperatorConfig,
+    config: RelationConfig,
 ) -> OperatorGroup:
     notes: list[str] = []
     lifted = lift(group)
@@ -260,7 +252,7 @@ def _negatives(
     positive: set[Atom],
     states: Sequence[tuple[Transition, State]],
     words: Vocabulary,
-    config: OperatorConfig,
+    config: RelationConfig,
 ) -> tuple[frozenset[Absent], list[str]]:
     """Relations of other objects to the operator's own that hold elsewhere in the data but never where it begins, and a note on
     each."""
@@ -274,7 +266,7 @@ def _negatives(
         for position, parameter in enumerate(arguments):
             if parameter.type != c.parent:
                 continue
-            if c.child == arguments[0].type and position > 0 and _room(c, words.extents, config):
+            if c.child == arguments[0].type and position > 0 and _room(c, words):
                 continue  # others of the moved kind may be there too: there is room
             if any(a.predicate in siblings and a.args[1] == parameter.name for a in positive):
                 continue  # where it has to be is a precondition already
@@ -303,11 +295,11 @@ def _related_any(state: State, c: Classifier) -> bool:
     return any(a.predicate == c.predicate.name for a in state)
 
 
-def _room(c: Classifier, extents: Extents, config: OperatorConfig) -> bool:
+def _room(c: Classifier, words: Vocabulary) -> bool:
     """Whether two such objects fit into the region that the predicate covers, or beside each other on what they rest at."""
-    half = max(extents.get(c.child, (config.default_half_m,) * 3)[:2])
+    half = max(words.extents.get(c.child, (words.half_m,) * 3)[:2])
     covered = float(np.sqrt(np.linalg.eigvalsh(c.cov_p)[-1])) * c.enter_p
-    return covered > 2.0 * half or max(extents.get(c.parent, (0.0, 0.0, 0.0))[:2]) >= 2.0 * half
+    return covered > 2.0 * half or max(words.extents.get(c.parent, (0.0, 0.0, 0.0))[:2]) >= 2.0 * half
 
 
 def _mutex(groups: Sequence[OperatorGroup], relations: Relations, places: Sequence[str]) -> list[OperatorGroup]:

@@ -122,7 +122,9 @@ def _place_of(members: Sequence[Placement], joint: Joint | None, config: Predica
     moved = [p for p in members if not p.rest.static]
     if joint is None:
         up = np.mean([p.rest.T_world_obj.inverse().rotate(UP) for p in members], axis=0)
-        axis = free_yaw(poses, up / np.linalg.norm(up), config.free_shape)
+        axis = config.symmetry.get(members[0].types[0])
+        if axis is None:
+            axis = free_yaw(poses, up / np.linalg.norm(up), config.free_shape)
         above = np.mean([_up_in_ref(p) for p in members], axis=0)
         # bystanders widen a place and do not make it surer: ten recordings of one scene show where they lie once
         shape = fit_shape(poses, len(moved), config.free_shape, axis, above / np.linalg.norm(above))

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from symskill_pddl.demos import Demo
+from symskill_pddl.errors import LearningError
 from symskill_pddl.geometry import Pose
 from symskill_pddl.learning.articulation import Joint, agreed_joint, fit_joint
 from symskill_pddl.learning.contacts import labelled
@@ -40,7 +41,7 @@ def learn_relations(
     odd = {demo.where: shown[demo.task] >= config.odd_of for demo in demos}
     places: list[Place] = []
     left_out: list[LeftOut] = []
-    of_rest: dict[RestKey, tuple[int | None, str]] = {}  # id of a Rest -> (place or None when odd, reference object)
+    of_rest: dict[RestKey, tuple[int | None, str]] = {}  # (place or None when odd, reference object)
     jointed: dict[str, bool] = {}
     for type_ in sorted({t for e in episodes for t in (e.type, e.moved_type)}):
         own = [e for e in episodes if type_ in (e.type, e.moved_type)]
@@ -95,9 +96,14 @@ def _placements(
             if t == type_ and (demo.where, o) not in moved
         ]
     alone = [fit_joint([way], config.articulation) is not None for e in episodes if (way := e.way(type_)) is not None]
-    if np.mean(alone) >= 0.8:
+    hint = config.joints.get(type_)
+    if hint != "free" and (hint is not None or np.mean(alone) >= 0.8):
         found = place(rests, True, extents, config.references, answers)
         joints = _joints(episodes, found, type_, config)
+        kinds = {{"hinge": "revolute", "slide": "prismatic"}[joint.kind] for joint in joints.values()}
+        if hint is not None and kinds != {hint}:
+            told = f"{sum(alone)} of {len(alone)} of its motions are those of a joint" if not kinds else f"it is {kinds.pop()}"
+            raise LearningError(f"hint joints.{type_}: {hint}, but the recordings say that {told}")
         if joints:
             return found, joints
     found = place(rests, False, extents, config.references, answers)

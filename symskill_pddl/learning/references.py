@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -58,6 +58,8 @@ class ReferenceConfig:
     type hang on one type."""
     answer_weight: float = 3.0
     """What another selector's answer adds to the score of the object that it names: more than all else together."""
+    hinted: Mapping[str, str] = field(default_factory=dict)
+    """By type of object, the type of its reference, where a person has said so."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +123,8 @@ def place(
     table = [_prior_scores(demo, rest, c, hinged, extents, config) for (demo, rest), c in zip(rests, found, strict=True)]
     if hinged:
         table = _over_all_rests(rests, found, table, config)
-    for (_, rest), candidates, scores in zip(rests, found, table, strict=True):
+    for (demo, rest), candidates, scores in zip(rests, found, table, strict=True):
+        scores[[t == config.hinted.get(demo.objects[rest.obj]) for t in candidates.types]] += config.answer_weight
         if rest.key in answers:
             scores[candidates.names.index(answers[rest.key])] += config.answer_weight
     groups: dict[str, list[int]] = defaultdict(list)

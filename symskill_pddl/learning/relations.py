@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from symskill_pddl.geometry import Array
 from symskill_pddl.learning.articulation import ArticulationConfig, Joint
 from symskill_pddl.learning.references import ReferenceConfig
 from symskill_pddl.learning.report import LeftOut
@@ -51,6 +52,10 @@ class PredicateConfig:
     """Fraction of a motion that is left out at both ends of the gripper's relative poses."""
     odd_of: int = 3
     """What a single demonstration shows, of a task with at least this many, is odd."""
+    joints: Mapping[str, str] = field(default_factory=dict)
+    """By type, 'free', 'revolute' or 'prismatic', where a person has said so."""
+    symmetry: Mapping[str, Array] = field(default_factory=dict)
+    """By type, an axis (3,) about which it looks the same, where a person has said so."""
 
 
 @dataclass(frozen=True, eq=False)

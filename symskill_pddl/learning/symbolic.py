@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from symskill_pddl.abstraction import Classifier, GripperRule, abstract_recording, one_place_along
 from symskill_pddl.demos import Demo, extent_conflicts, merged_extents
 from symskill_pddl.errors import LearningError
-from symskill_pddl.learning.endings import EndingConfig, complete
+from symskill_pddl.learning.config import LearnConfig
+from symskill_pddl.learning.endings import complete
 from symskill_pddl.learning.goals import learn_goals
-from symskill_pddl.learning.motions import SegmentConfig
-from symskill_pddl.learning.naming import contact_names, place_names
-from symskill_pddl.learning.operators import OperatorConfig, OperatorGroup, Vocabulary, learn_operators
+from symskill_pddl.learning.naming import closed_places, contact_names, place_names
+from symskill_pddl.learning.operators import OperatorGroup, Vocabulary, learn_operators
 from symskill_pddl.learning.predicates import learn_relations, precedences
-from symskill_pddl.learning.relations import PredicateConfig, Relations
+from symskill_pddl.learning.relations import Relations
 from symskill_pddl.learning.report import LeftOut
+from symskill_pddl.learning.scale import aperture_of
 from symskill_pddl.learning.segments import Episode, RestKey, lifted, segment_all
 from symskill_pddl.learning.transitions import Truth, gripper_rule, never_shared, transitions
 from symskill_pddl.library import Goal
@@ -26,16 +27,6 @@ from symskill_pddl.symbols import Predicate
 
 FINGERS_STILL_M = 0.001
 """An aperture that changes by less than this all through a recording was not moved: encoders are finer."""
-
-
-@dataclass(frozen=True)
-class SymbolConfig:
-    """The settings of the stages that make symbols."""
-
-    segments: SegmentConfig = field(default_factory=SegmentConfig)
-    endings: EndingConfig = field(default_factory=EndingConfig)
-    predicates: PredicateConfig = field(default_factory=PredicateConfig)
-    operators: OperatorConfig = field(default_factory=OperatorConfig)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +66,7 @@ Selector = Callable[[Sequence[Episode], Mapping[RestKey, str]], Mapping[RestKey,
 
 def learn_symbols(
     demos: Sequence[Demo],
-    config: SymbolConfig | None = None,
+    config: LearnConfig | None = None,
     *,
     selector: Selector | None = None,
     progress: Callable[[str], None] = lambda _: None,
@@ -87,19 +78,20 @@ def learn_symbols(
     LearningError
         If nothing moves, or no operator comes out.
     """
-    config, demos = config or SymbolConfig(), tuple(demos)
+    config, demos = config or LearnConfig(), tuple(demos)
     extents = merged_extents(demos)
+    scaled = config.relations.scaled(aperture_of(demos), config.hints)
     progress("segments")
     episodes = complete(segment_all(demos, config.segments), config.endings, config.segments)
     episodes = tuple(map(lifted, episodes))
     answers = None
     if selector is not None:
         progress("references")
-        default = learn_relations(demos, episodes, extents, config.predicates).references
+        default = learn_relations(demos, episodes, extents, scaled).references
         answers = selector(episodes, default)
     progress("predicates")
-    relations = learn_relations(demos, episodes, extents, config.predicates, answers)
-    places = place_names(relations, extents)
+    relations = learn_relations(demos, episodes, extents, scaled, answers)
+    places = place_names(relations, extents, closed_places(demos, relations, config.hints))
     contacts = contact_names(relations, places)
     classifiers = named(relations, places, contacts)
     progress("operators")
@@ -107,8 +99,9 @@ def learn_symbols(
     perceived = {demo.where: abstract_recording(demo, classifiers, gripper) for demo in demos}
     truths = {where: one_place_along(truth, classifiers) for where, truth in perceived.items()}
     found, unclear = transitions(relations, truths, places, contacts)
-    words = Vocabulary(relations, classifiers, places, contacts, extents, never_shared(perceived.values()))
-    groups, rare = learn_operators(found, demos, words, config.operators)
+    single = never_shared(perceived.values())
+    words = Vocabulary(relations, classifiers, places, contacts, extents, single, 0.4 * aperture_of(demos))
+    groups, rare = learn_operators(found, demos, words, config.relations)
     left_out = (*relations.left_out, *unclear, *rare)
     if not groups:
         raise LearningError(

@@ -137,11 +137,11 @@ def test_a_stack_recorded_by_a_person_is_a_pick_and_a_place(stack):
 
 def test_a_door_recorded_by_a_person_is_reached_by_its_latch_and_opened(door):
     opened, reach = (o.operator for o in door.operators)
-    assert (opened.name, reach.name) == ("open-door", "reach-latch-unturned")
+    assert (opened.name, reach.name) == ("move-door-at-22deg", "reach-latch-at-0deg")
     assert reach.add >= {Atom("gripper-at-latch", ("?latch",))}
-    assert opened.add == {Atom("door-open", ("?door", "?frame"))}
-    assert opened.delete == {Atom("door-closed", ("?door", "?frame"))}
+    assert opened.add == {Atom("door-at-22deg", ("?door", "?frame"))}
+    assert opened.delete == {Atom("door-at-0deg", ("?door", "?frame"))}
     assert Atom("gripper-at-latch", ("?latch",)) in opened.pre
-    assert any("no retreat" in note for note in door.learned("open-door").notes)
+    assert any("no retreat" in note for note in door.learned("move-door-at-22deg").notes)
     (goal,) = door.goals
-    assert goal.atoms == {Atom("door-open", ("?door", "?frame"))}
+    assert goal.atoms == {Atom("door-at-22deg", ("?door", "?frame"))}

@@ -45,6 +45,7 @@ def place_at(types, p=(0.0, 0.0, 0.0), joint=None, coordinate=0.0):
         joint=joint,
         coordinate=coordinate,
         held=False,
+        demos=frozenset(),
     )
 
 
@@ -69,14 +70,35 @@ def hinge():
     return Joint("hinge", np.array([0.0, 0, 1]), np.zeros(3), 0.0)
 
 
+SIZES = dict.fromkeys(["door", "cabinet", "knob", "stove", "drawer"], (0.1, 0.1, 0.1))
+
+
 def test_states_of_doors_knobs_and_drawers():
     door = [place_at(("door", "cabinet"), joint=hinge(), coordinate=c) for c in (1.6, 0.0, 0.9)]
-    assert place_names(relations(*door), {}) == ("door-open", "door-closed", "door-ajar")
+    assert place_names(relations(*door), SIZES) == ("door-open", "door-closed", "door-ajar")
     knob = [place_at(("knob", "stove"), joint=hinge(), coordinate=c) for c in (0.0, -1.6)]
-    assert place_names(relations(*knob, grip=0.02), {}) == ("knob-unturned", "knob-turned")
+    assert place_names(relations(*knob, grip=0.02), SIZES) == ("knob-unturned", "knob-turned")
     slide = Joint("slide", np.array([1.0, 0, 0]), np.zeros(3), 0.0)
     drawer = [place_at(("drawer", "cabinet"), (x, 0, 0), slide, x) for x in (-0.25, 0.0)]
-    assert place_names(relations(*drawer), {}) == ("drawer-open", "drawer-closed")
+    assert place_names(relations(*drawer), SIZES) == ("drawer-open", "drawer-closed")
+
+
+def test_without_sizes_names_speak_of_the_joint():
+    door = [place_at(("door", "cabinet"), joint=hinge(), coordinate=c) for c in (1.6, 0.03, 0.9)]
+    assert place_names(relations(*door), {}) == ("door-at-0deg", "door-at-90deg", "door-at-40deg")
+    slide = Joint("slide", np.array([1.0, 0, 0]), np.zeros(3), 0.0)
+    drawer = [place_at(("drawer", "cabinet"), (x, 0, 0), slide, x) for x in (0.25, 0.0)]
+    assert place_names(relations(*drawer), {}) == ("drawer-at-0cm", "drawer-at-25cm")
+
+
+def test_a_person_may_say_which_state_is_closed():
+    door = [place_at(("door", "cabinet"), joint=hinge(), coordinate=c) for c in (1.6, 0.0, 0.9)]
+    assert place_names(relations(*door), {}, {"door": 0}) == ("door-closed", "door-open", "door-ajar")
+
+
+def test_doors_that_open_to_either_side_are_called_alike():
+    door = [place_at(("door", "cabinet"), joint=hinge(), coordinate=c) for c in (0.0, 1.5, -1.6)]
+    assert place_names(relations(*door), SIZES) == ("door-closed", "door-open", "door-open-2")
 
 
 def test_places_of_one_pair_are_told_apart_by_height():

@@ -7,7 +7,8 @@ import pytest
 from symskill_pddl.abstraction import Classifier
 from symskill_pddl.geometry import Pose
 from symskill_pddl.learning.lifting import lift
-from symskill_pddl.learning.operators import OperatorConfig, Vocabulary, _negatives, _room
+from symskill_pddl.learning.operators import Vocabulary, _negatives, _room
+from symskill_pddl.learning.scale import RelationConfig
 from symskill_pddl.learning.shapes import ShapeConfig, fit_shape
 from symskill_pddl.symbols import Atom, Plan, Predicate, Problem, validate
 
@@ -193,7 +194,7 @@ def test_the_reason_behind_a_coincidence_is_found():
         for name, child, parent in (("in-rack", "lid", "rack"), ("on-pan", "lid", "pan"), ("in-pan", "thing", "pan"))
     ]
     states = [(t, s) for t in (place, cover) for s in (t.before, t.after)]
-    words, config = Vocabulary(None, classifiers, (), (), {}), OperatorConfig()
+    words, config = Vocabulary(None, classifiers, (), (), {}), RelationConfig()
     group = [place, place]
     found, notes = _negatives(group, lift(group), set(), states, words, config)
     assert {str(a.atom) for a in found} == {"(on-pan ?any-lid ?pan)"}
@@ -259,10 +260,14 @@ def test_contacts_do_not_hold_where_the_hand_sets_out(ten):
 def test_there_is_room_beside_another_on_what_is_twice_as_wide():
     place = fit_shape(yaw_poses(5), 5, ShapeConfig()).classifier(Predicate("cup-on-tray", ("cup", "tray")), "cup", "tray")
     cup = {"cup": (0.03, 0.03, 0.03)}
-    assert not _room(place, cup, OperatorConfig())
-    assert not _room(place, cup | {"tray": (0.04, 0.05, 0.01)}, OperatorConfig())
-    assert _room(place, cup | {"tray": (0.04, 0.07, 0.01)}, OperatorConfig())
+    assert not _room(place, words_of(cup))
+    assert not _room(place, words_of(cup | {"tray": (0.04, 0.05, 0.01)}))
+    assert _room(place, words_of(cup | {"tray": (0.04, 0.07, 0.01)}))
 
 
 def yaw_poses(n):
     return Pose(np.zeros((n, 3)), np.tile([1.0, 0, 0, 0], (n, 1)))
+
+
+def words_of(extents):
+    return Vocabulary(None, (), (), (), extents)

@@ -2,15 +2,14 @@ from pathlib import Path
 
 import pytest
 
+from symskill_pddl.cli.settings import parameters, table
 from symskill_pddl.learning import LearnConfig
-from symskill_pddl.learning.motions import SegmentConfig
-from symskill_pddl.learning.parameters import parameters, table
+from symskill_pddl.learning.scale import RelationConfig
 
 PAGE = Path(__file__).parents[2] / "docs" / "learning.md"
 
 
 def test_every_parameter_has_a_reason():
-    assert len(parameters()) > 60
     assert [e.name for e in parameters() if len(e.reason) < 12] == []
 
 
@@ -21,12 +20,11 @@ def test_the_document_holds_them_as_they_are():
 @pytest.mark.parametrize(
     ("name", "value", "unit"),
     [
-        ("segments.enter_m_s", "0.02", "m/s"),
-        ("segments.min_turn_rad", "5", "deg"),
-        ("predicates.tilt_m_rad", "0.3", "m/rad"),
-        ("predicates.joint_shape.prior_rad", "2", "deg"),
-        ("operators.odd_of", "3", ""),
+        ("relations.spread", "0.25", "A"),
+        ("relations.gap_deg", "18", "deg"),
+        ("relations.odd_of", "3", ""),
         ("skills.tolerance_m", "0.004", "m"),
+        ("skills.tolerance_rad", "5", "deg"),
     ],
 )
 def test_values_and_units(name, value, unit):
@@ -35,5 +33,5 @@ def test_values_and_units(name, value, unit):
 
 
 def test_they_are_those_of_the_configuration_given():
-    changed = parameters(LearnConfig(segments=SegmentConfig(enter_m_s=0.5)))
-    assert [e.value for e in changed if e.name == "segments.enter_m_s"] == ["0.5"]
+    changed = parameters(LearnConfig(relations=RelationConfig(gap=0.5)))
+    assert [e.value for e in changed if e.name == "relations.gap"] == ["0.5"]
