@@ -92,7 +92,7 @@ def slid(name, seed):
     r = Recorder(rng, {"table": ("table", yaw_pose([0.5, 0, -0.02])), "block": ("block", yaw_pose(at))}, faults=False)
     r.reach(Pose(at, facing(0.0, 1.4)))
     r.grasp("block", 0.04)
-    r.go(Pose(at + [0.0, 0.4, 0.0], r.T.q))
+    r.go(Pose(at + np.array([0.0, 0.4, 0.0]), r.T.q))
     r.release()
     r.back_off(0.15)
     r.rest(1.0)
