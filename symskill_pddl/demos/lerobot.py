@@ -7,8 +7,7 @@ its own replay needs (``episode_*/states.npz, model.xml.gz, ep_meta.json`` and `
 from __future__ import annotations
 
 import gzip
-import json
-import zipfile
+import io
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -16,13 +15,18 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from symskill_pddl.arrays import read_npz
 from symskill_pddl.demos.gripper import Convention
 from symskill_pddl.demos.importing import HOW, ImportConfig, Remark, each, warn
+from symskill_pddl.demos.model_xml import LONGEST
 from symskill_pddl.demos.recorded import Recorded, check_one_arm, finite, times_of
-from symskill_pddl.errors import FormatError, InputError, MissingDependencyError, alternatives
+from symskill_pddl.errors import FormatError, InputError, MissingDependencyError, alternatives, shown
 from symskill_pddl.geometry import Array
+from symskill_pddl.reading import parse_json, read_bytes, read_text
 
 T = TypeVar("T")
+LARGEST, MOST_VALUES, BATCH = 1_000_000_000, 30_000_000, 4096
+"""Bytes of a file of actions, numbers that it may state, and rows that are unpacked at a time."""
 INSTALL = "pip install 'symskill-pddl[lerobot]'"
 
 
@@ -85,17 +89,13 @@ def _episode(folder: Path, extras: Path, env: dict[str, Any], column: int) -> Re
 
     index = int(extras.name.removeprefix("episode_"))
     check_one_arm(env, fail)
-    try:
-        with np.load(extras / "states.npz", allow_pickle=False) as file:
-            states = np.asarray(file["states"], dtype=np.float64)
-        xml = gzip.decompress((extras / "model.xml.gz").read_bytes()).decode("utf-8")
-    except FileNotFoundError as error:
-        raise fail(f"'{Path(str(error.filename)).name}' is missing") from None
-    except (OSError, KeyError, ValueError, EOFError, zlib.error, zipfile.BadZipFile, UnicodeError) as error:
-        raise fail(f"states.npz or model.xml.gz cannot be read (damaged or truncated): {error}") from error
+    arrays = read_npz(_file(extras / "states.npz", fail), f"{where}: states.npz")
+    xml = _unpacked(_file(extras / "model.xml.gz", fail), fail)
+    if "states" not in arrays or arrays["states"].dtype.kind not in "fiu":
+        raise fail(f"states.npz: no array 'states' of numbers; it has: {alternatives(arrays)}")
+    states = np.asarray(arrays["states"], dtype=np.float64)
     if states.ndim != 2 or len(states) < 2:
         raise fail(f"states have to be (n >= 2, m), found {states.shape}")
-    states = finite("states", states, fail)
     actions = finite("action", _actions(folder, index, fail), fail)
     if len(actions) != len(states):
         raise fail(f"{len(actions)} actions do not match {len(states)} states")
@@ -115,12 +115,31 @@ def _episode(folder: Path, extras: Path, env: dict[str, Any], column: int) -> Re
     )
 
 
+def _file(path: Path, fail: Callable[[str], FormatError]) -> bytes:
+    try:
+        return read_bytes(path, "file of the episode")
+    except InputError as error:
+        raise fail(str(error)) from None
+
+
+def _unpacked(content: bytes, fail: Callable[[str], FormatError]) -> str:
+    """The text of a gzip file, which is no longer than a model may be."""
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(content)) as file:
+            text = file.read(LONGEST + 1)
+        if len(text) > LONGEST:
+            raise fail(f"model.xml.gz: is longer than {LONGEST} bytes when it is decompressed")
+        return text.decode("utf-8")
+    except (OSError, EOFError, zlib.error, UnicodeError) as error:
+        raise fail(f"model.xml.gz: cannot be read (damaged or truncated): {shown(error, 160)}") from None
+
+
 def _actions(folder: Path, index: int, fail: Callable[[str], FormatError]) -> Array:
     """Actions (n, m) of an episode."""
     try:
+        import pyarrow
         import pyarrow.compute as compute
-        import pyarrow.parquet as parquet
-        from pyarrow import ArrowException
+        import pyarrow.parquet
     except ImportError as error:
         raise MissingDependencyError(f"LeRobot datasets are read with pyarrow: {INSTALL} ({error})") from error
     own = sorted(folder.glob(f"data/*/episode_{index:06d}.parquet"))
@@ -128,14 +147,30 @@ def _actions(folder: Path, index: int, fail: Callable[[str], FormatError]) -> Ar
     found = []
     try:
         for file in own or shared:
-            table = parquet.read_table(file, columns=["action", "episode_index"])
-            table = table.filter(compute.equal(table["episode_index"], index))
-            found += table["action"].to_pylist()
+            with pyarrow.parquet.ParquetFile(io.BytesIO(read_bytes(file, "file of actions", limit=LARGEST))) as table:
+                _check_size(table, f"'{file}'")
+                # a part at a time: of many episodes one is kept
+                for part in table.iter_batches(BATCH, columns=["action", "episode_index"]):
+                    found += part.filter(compute.equal(part["episode_index"], index))["action"].to_pylist()
         if not found:
             raise fail("no actions: there is no parquet file of it in data/")
         return np.array(found, dtype=np.float64).reshape(len(found), -1)
-    except (ArrowException, OSError, KeyError, ValueError, TypeError) as error:
-        raise fail(f"its parquet file cannot be read: {' '.join(str(error).split())[:160]}") from error
+    except (pyarrow.ArrowException, OSError, LookupError, ValueError, TypeError, OverflowError, MemoryError) as error:
+        raise fail(f"its parquet file cannot be read: {shown(error, 160)}") from error
+
+
+def _check_size(table: Any, where: str) -> None:
+    """Compare what a file states of itself with what it can mean, before a column is unpacked."""
+    values = size = 0
+    for i in range(table.metadata.num_row_groups):
+        group = table.metadata.row_group(i)
+        for column in map(group.column, range(group.num_columns)):
+            if column.path_in_schema.split(".")[0] in ("action", "episode_index"):
+                values, size = values + column.num_values, size + column.total_uncompressed_size
+    if values > MOST_VALUES or size > LARGEST:
+        raise FormatError(
+            f"{where}: states {values} numbers of actions in {size} bytes, more than a dataset of demonstrations has"
+        )
 
 
 def _gripper_column(folder: Path) -> int:
@@ -150,12 +185,7 @@ def _gripper_column(folder: Path) -> int:
 
 
 def _json(file: Path) -> dict[str, Any]:
-    try:
-        value = json.loads(file.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"'{file}' is missing") from None
-    except (OSError, UnicodeError, json.JSONDecodeError) as error:
-        raise FormatError(f"'{file}' is not readable JSON: {error}") from error
+    value = parse_json(read_text(file, "file of the dataset"), f"'{file}'")
     if not isinstance(value, dict):
         raise FormatError(f"'{file}' has to be a JSON object")
     return value

@@ -1,7 +1,7 @@
 """Poses from recorded MuJoCo states: a recording's model XML, reduced to its kinematics, and the frames worth reading from it.
 
-Replaying needs bodies, joints and primitive shapes only. Meshes, textures and materials lie on the machine of whoever recorded,
-so they are taken out of the XML before it is compiled; no asset is ever opened.
+Replaying needs bodies, joints and primitive shapes only (`model_xml`). Meshes, textures and materials lie on the machine of
+whoever recorded; no asset is ever opened.
 
 What is an object, and what it is called:
 
@@ -17,69 +17,18 @@ What is an object, and what it is called:
 from __future__ import annotations
 
 import re
-import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from symskill_pddl.demos.fingers import Fingers
-from symskill_pddl.errors import FormatError, MissingDependencyError
+from symskill_pddl.demos.model_xml import kinematic_xml
+from symskill_pddl.errors import FormatError, MissingDependencyError, shown
 from symskill_pddl.geometry import Array, Pose
 
-_USELESS = (
-    "asset",
-    "visual",
-    "actuator",
-    "sensor",
-    "contact",
-    "equality",
-    "tendon",
-    "keyframe",
-    "extension",
-    "statistic",
-    "size",
-)
 _OLDER = {"Door_frame": "frame", "Door_door": "door", "Door_latch": "latch"}
 """What robosuite 1.5 calls bodies that its older releases, and recordings with them, call otherwise."""
-_ASSET_GEOMS = ("mesh", "hfield", "sdf")
-
-
-def kinematic_xml(xml: str) -> tuple[str, frozenset[str]]:
-    """The model without anything that needs an asset, and the names of the bodies that had a shape to touch before.
-
-    Raises
-    ------
-    FormatError
-        If the text is not XML, or not a MuJoCo model.
-    """
-    try:
-        root = ET.fromstring(xml)
-    except ET.ParseError as error:
-        raise FormatError(f"the model is not well-formed XML: {error}") from None
-    if root.tag != "mujoco" or root.find("worldbody") is None:
-        raise FormatError(f"the model is not a MuJoCo model: its root is <{root.tag}>, expected <mujoco> with a <worldbody>")
-    shaped = frozenset(body.get("name", "") for body in root.iter("body") if any(map(_collides, body.findall("geom"))))
-    for section in [child for child in root if child.tag in _USELESS]:
-        root.remove(section)
-    for parent in list(root.iter()):
-        for child in list(parent):
-            needs_asset = child.tag == "geom" and (child.get("type") in _ASSET_GEOMS or child.get("mesh") is not None)
-            if needs_asset or child.tag in ("camera", "light", "mesh", "material", "plugin"):
-                parent.remove(child)
-        parent.attrib.pop("material", None)
-    compiler = root.find("compiler")
-    if compiler is None:
-        compiler = ET.SubElement(root, "compiler")
-    for key in ("meshdir", "texturedir", "assetdir"):
-        compiler.attrib.pop(key, None)
-    # a link that lost its meshes may have no mass left; kinematics does not care, the compiler does
-    compiler.attrib |= {"boundmass": "0.001", "boundinertia": "0.000001", "balanceinertia": "true"}
-    return ET.tostring(root, encoding="unicode"), shaped
-
-
-def _collides(geom: ET.Element) -> bool:
-    return geom.get("contype", "1") != "0" or geom.get("conaffinity", "1") != "0"
 
 
 @dataclass(frozen=True)
@@ -128,11 +77,11 @@ class KinematicModel:
         self.mujoco: Any = mujoco
         try:
             self.model = mujoco.MjModel.from_xml_string(stripped)
-        except ValueError as error:
-            raise FormatError(f"the model does not compile: {' '.join(str(error).split())}") from None
+        except (ValueError, mujoco.FatalError) as error:
+            raise FormatError(f"the model does not compile: {shown(error)}") from None
         self.data = mujoco.MjData(self.model)
         self._site, joints, moved, self._robot = self._find_gripper()
-        mujoco.mj_kinematics(self.model, self.data)
+        self._place()
         self._fingers = Fingers(self.model, self.data, self._site, joints, moved)
         y, z = self._fingers.opening, np.array([0.0, 0.0, 1.0])
         # z is the site's: out of the hand
@@ -171,7 +120,13 @@ class KinematicModel:
     def pose(self, state: Array) -> None:
         """Put `data` into a recorded state (1 + nq + nv,): where things are, nothing else."""
         self.data.qpos[:] = state[1 : 1 + self.model.nq]
+        self._place()
+
+    def _place(self) -> None:
+        """Put all bodies where the joints say; a model whose numbers are out of all proportion puts them nowhere."""
         self.mujoco.mj_kinematics(self.model, self.data)
+        if not all(np.isfinite(a).all() for a in (self.data.xpos, self.data.xquat, self.data.site_xpos, self.data.site_xmat)):
+            raise FormatError("the model's or a state's numbers are out of range: a body has no place")
 
     # -- structure ------------------------------------------------------------------------------------------------------
 

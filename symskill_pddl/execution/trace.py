@@ -93,6 +93,8 @@ def read_trace(path: str | Path) -> Trace:
                 note = f"the last line ({number}) was cut off and is left out"
                 break
             raise
+        if len(lines) > 1 and isinstance(lines[-1], Header):
+            raise FormatError(f"{path}:{number}: a second header; one file holds one run")
     if not lines or not isinstance(lines[0], Header):
         raise FormatError(f"{path}:1: a trace starts with a header")
     if lines[0].schema_version != SCHEMA:

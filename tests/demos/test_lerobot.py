@@ -20,6 +20,8 @@ needs_pyarrow = pytest.mark.skipif(
     find_spec("pyarrow") is None, reason="pyarrow is not in this environment: `make robocasa-test` runs this in one that has it"
 )
 
+BOMB = "extras/episode_000000/model.xml.gz"
+
 
 def same(recorded: Recorded) -> Recorded:
     return recorded
@@ -123,16 +125,30 @@ def test_bad_actions_are_named(dataset: Path, spoil: object, message: str) -> No
     [
         (lambda d: shutil.rmtree(d / "meta"), InputError, "no LeRobot dataset"),
         (lambda d: shutil.rmtree(d / "extras"), InputError, "is a LeRobot dataset without poses of objects"),
-        (lambda d: (d / "extras/dataset_meta.json").unlink(), InputError, "dataset_meta.json' is missing"),
-        (lambda d: (d / "extras/dataset_meta.json").write_text("{"), FormatError, "not readable JSON"),
+        (lambda d: (d / "extras/dataset_meta.json").unlink(), InputError, "there is no file of the dataset .*dataset_meta.json"),
+        (lambda d: (d / "extras/dataset_meta.json").write_text("{"), FormatError, "is no JSON"),
         (lambda d: (d / "extras/dataset_meta.json").write_text("[]"), FormatError, "has to be a JSON object"),
         (lambda d: edit(d, "extras/dataset_meta.json", env_args=3), FormatError, "env_args has to be"),
         (lambda d: edit(d, "meta/modality.json", action={"arm": {}}), FormatError, "gripper_close.start; its actions are: arm"),
-        (lambda d: (d / "extras/episode_000000/states.npz").unlink(), FormatError, "'states.npz' is missing"),
-        (lambda d: (d / "extras/episode_000000/states.npz").write_bytes(b"PK"), FormatError, "cannot be read"),
+        (
+            lambda d: (d / "extras/episode_000000/states.npz").unlink(),
+            FormatError,
+            "there is no file of the episode .*states.npz",
+        ),
+        (
+            lambda d: (d / "extras/episode_000000/states.npz").write_bytes(b"PK"),
+            FormatError,
+            "states.npz: is no readable archive",
+        ),
         (lambda d: (d / "extras/episode_000000/model.xml.gz").write_bytes(b"x"), FormatError, "cannot be read"),
         (lambda d: np.savez(d / "extras/episode_000000/states.npz", states=np.zeros(3)), FormatError, "states have to be"),
-        (lambda d: np.savez(d / "extras/episode_000000/states.npz", other=np.zeros(3)), FormatError, "cannot be read"),
+        (
+            lambda d: np.savez(d / "extras/episode_000000/states.npz", other=np.zeros(3)),
+            FormatError,
+            "no array 'states' of numbers; it has: other",
+        ),
+        (lambda d: (d / BOMB).write_bytes(gzip.compress(bytes(70_000_000), 1)), FormatError, "is longer than 64000000 bytes"),
+        (lambda d: edit(d, "meta/modality.json", action={"gripper_close": 0.5}), FormatError, "its actions are: gripper_close"),
         (lambda d: (d / "extras/episode_000000").rename(d / "extras/episode_x"), FormatError, "end in its number"),
     ],
 )
