@@ -11,6 +11,7 @@ from symskill_pddl.cli import answers, options, work
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.errors import InputError, NoPlanError
 from symskill_pddl.files import PLAN, PROBLEM, sealed
+from symskill_pddl.pddl.plan import write_plan
 from symskill_pddl.worlds import DEFAULT, ready
 
 if TYPE_CHECKING:
@@ -123,6 +124,8 @@ def plan(
     timeout: Annotated[float, typer.Option(help="Time limit [s].")] = 10.0,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="The plan file; without it the plan is printed.")] = None,
     any_plan: Annotated[bool, typer.Option("--any-plan", help="Any plan will do, whatever the problem's metric.")] = False,
+    all_engines: Annotated[bool, typer.Option("--all-engines", help="Ask every planner that is installed; a table.")] = False,
+    k: Annotated[int, typer.Option("--k", metavar="N", help="Up to N plans that differ in a step.")] = 1,
     json: options.JsonFlag = False,
     force: options.ForceFlag = False,
 ) -> None:
@@ -130,33 +133,31 @@ def plan(
 
     Planners that read PDDL are given the files as they are; the plan is validated by our own reading of them.
     """
-    from symskill_pddl.pddl import write_plan
     from symskill_pddl.planning import Limits, get
-    from symskill_pddl.planning.foreign import explained, solve
 
+    if all_engines and (planner is not None or k != 1):
+        raise InputError("--all-engines asks every planner for one plan; it goes with neither --planner nor --k")
     task = work.read_task_files(domain, problem)
-    engine = get(planner or "auto")
+    limits = Limits(time_s=timeout)
     file = options.output(output, PLAN, force=force, inputs=[domain, problem]) if output is not None else None
-    with progress(f"planning with {engine.name}"):
-        result = solve(engine, task, Limits(time_s=timeout), any_plan=any_plan)
-    why = explained(task, result)
+    if all_engines:
+        found = answers.of_all(task, limits, any_plan=any_plan)
+    elif k != 1:
+        found = answers.several(get(planner or "auto"), task, k, limits)
+    else:
+        found = answers.one(get(planner or "auto"), task, limits, any_plan=any_plan)
     if json:
-        emit_json(answers.document(result, why))
-        if result.plan is None:
-            raise typer.Exit(1)
-    if result.plan is None:
-        for line in (*result.messages, *why):
-            remark(line)
-        raise NoPlanError(f"'{problem}' has no plan: {result.status.value} (planner {result.planner})")
-    text = write_plan(result.plan)
+        emit_json(found.document())
+    if (best := found.best) is None:
+        if not json:
+            found.tell()
+            raise NoPlanError(f"'{problem}' has no plan: {found.status}")
+        raise typer.Exit(1)
     if file is not None:
-        file.write(sealed(text, last=True))
+        file.write(sealed(write_plan(best), last=True))
     elif not json:
-        say(text.rstrip("\n"))
-    count = len(result.plan)
-    remark(f"{count} step{'' if count == 1 else 's'} in {result.seconds:.3f} s (planner {result.planner})")
-    for line in result.messages:
-        remark(line)
+        found.show()
+    found.tell()
 
 
 def check(
@@ -171,7 +172,6 @@ def check(
 
     Exit status 1 if an action would not run or not do what the domain says, 2 if a file is wrong in itself.
     """
-    from symskill_pddl.errors import InputError
     from symskill_pddl.symbols import validate
 
     learned = work.open_library(library)

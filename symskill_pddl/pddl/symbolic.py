@@ -186,7 +186,8 @@ class Symbolic:
                 into.distinct.add((left, right) if names.index(left) < names.index(right) else (right, left))
             case Fact(atom=atom, at=at):
                 if over:
-                    raise self.refused(f"under 'forall' only (not (...)) is supported, got '{part}'", at)
+                    what = f"under 'forall' only (not (...)) is supported, got '{part}'"
+                    raise BeyondModelError(what, source=self.source, line=at[0], column=at[1])
                 into.pre.add(self._lifted(atom, names, at, ()))
             case _:
                 raise self.beyond(beyond_what(part), _place(part))

@@ -271,7 +271,10 @@ class Compiler:
         return Atom(wish, args)
 
     def _kind(self, kinds: tuple[str, ...]) -> str:
-        return kinds[0] if len(kinds) == 1 else ROOT_TYPE
+        """The type, or the lowest one that all of them are below."""
+        above = self._task.domain.vocabulary.above
+        shared = frozenset.intersection(*(above[kind] for kind in kinds))
+        return max(sorted(shared), key=lambda kind: len(above[kind]))
 
     def _single(self, kinds: tuple[str, ...]) -> str:
         if len(kinds) != 1:

@@ -112,6 +112,8 @@ def readers(task: Task) -> tuple[Reader, ...]:
 
 def _one(planner: Planner, task: Task, limits: Limits, start: float) -> PlanResult:
     texts = task.domain_text, task.problem_text
+    if isinstance(planner, Mimir):  # it tells cases apart, which PDDL does not
+        texts = texts[0].lower(), texts[1].lower()
     if isinstance(planner, Reader) and not (task.domain.timed and isinstance(planner, (FastDownward, Mimir))):
         try:
             answer = planner.load(Verbatim(*texts))(_NOTHING, limits)  # type: ignore[arg-type]

@@ -101,8 +101,9 @@ def reachable(
         if not todo:
             free = [p for p in op.parameters if p.name not in binding]
             for choice in product(*(pools[p.type] for p in free)):
-                if len(set(choice) | set(binding.values())) == len(op.parameters):
-                    yield {**binding, **dict(zip((p.name for p in free), choice, strict=True))}
+                whole = {**binding, **dict(zip((p.name for p in free), choice, strict=True))}
+                if _different(op, whole):
+                    yield whole
             return
         atom = min(todo, key=lambda a: len(_candidates(a, binding, by_predicate, index)))
         rest = [a for a in todo if a is not atom]
@@ -144,18 +145,26 @@ def _candidates(
 def _match(
     op: Operator, atom: Atom, fact: Atom, binding: Mapping[str, str], pools: Mapping[str, tuple[str, ...]]
 ) -> dict[str, str] | None:
-    """The binding that makes `atom` this `fact`, or None; distinct parameters get distinct objects of their types."""
+    """The binding that makes `atom` this `fact`, or None; parameters get objects of their types, different ones where they are to
+    differ."""
     result = dict(binding)
     types = {p.name: p.type for p in op.parameters}
     for variable, arg in zip(atom.args, fact.args, strict=True):
         if variable in result:
             if result[variable] != arg:
                 return None
-        elif arg in result.values() or arg not in pools[types[variable]]:
+        elif arg not in pools[types[variable]]:
             return None
         else:
             result[variable] = arg
-    return result
+    return result if _different(op, result) else None
+
+
+def _different(op: Operator, binding: Mapping[str, str]) -> bool:
+    """Whether no two parameters that are to differ are bound to one object."""
+    if len(set(binding.values())) == len(binding):
+        return True
+    return op.distinct is not None and all(binding.get(a) != binding.get(b) or a not in binding for a, b in op.distinct_pairs)
 
 
 def ground_task(
