@@ -25,6 +25,10 @@ class FormatError(InputError):
     """A file exists but does not hold what its format asks for (damaged, truncated, another version)."""
 
 
+class UnsafeError(FormatError):
+    """A file that reaches for other files, or states what it cannot hold: no part of it is used."""
+
+
 class ParseError(InputError):
     """A text (PDDL, plan) does not follow its grammar; carries line and column, counted from 1."""
 

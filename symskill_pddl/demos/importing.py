@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
-from symskill_pddl.errors import FormatError, InputError, alternatives
+from symskill_pddl.errors import FormatError, InputError, UnsafeError, alternatives
 
 T = TypeVar("T")
 Remark = Callable[[str], object]
@@ -94,11 +94,15 @@ def each(names: Iterable[str], make: Callable[[str], T], where: str, remark: Rem
     ------
     InputError, FormatError
         The first reason, if no episode is left.
+    UnsafeError
+        At once: of a file that reaches for other files nothing is used.
     """
     made, bad = [], list[tuple[str, InputError]]()
     for name in names:
         try:
             made.append(make(name))
+        except UnsafeError:
+            raise
         except InputError as error:
             bad.append((name, error))
     if not made and bad:

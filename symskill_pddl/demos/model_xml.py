@@ -11,7 +11,7 @@ import xml.etree.ElementTree as ET
 from typing import Any, NoReturn
 from xml.parsers import expat
 
-from symskill_pddl.errors import FormatError, shown
+from symskill_pddl.errors import FormatError, UnsafeError, shown
 
 LONGEST, DEEPEST, MOST_ELEMENTS = 64_000_000, 200, 200_000
 
@@ -55,7 +55,9 @@ def kinematic_xml(xml: str) -> tuple[str, frozenset[str]]:
     Raises
     ------
     FormatError
-        If the text is not XML, is not a MuJoCo model, or makes bodies of what does not stand in it.
+        If the text is not XML, or is not a MuJoCo model.
+    UnsafeError
+        If it includes what does not stand in it.
     """
     root = _parsed(xml)
     if root.tag != "mujoco" or root.find("worldbody") is None:
@@ -63,7 +65,7 @@ def kinematic_xml(xml: str) -> tuple[str, frozenset[str]]:
             f"the model is not a MuJoCo model: its root is <{shown(root.tag, 40)}>, expected <mujoco> with a <worldbody>"
         )
     if found := next((e.tag for e in root.iter() if e.tag in _REFUSED), None):
-        raise FormatError(f"the model has <{found}>: a recorded model has to carry all its bodies itself")
+        raise UnsafeError(f"the model has <{found}>: a recorded model has to carry all its bodies itself")
     shaped = frozenset(body.get("name", "") for body in root.iter("body") if any(map(_collides, body.findall("geom"))))
     kept = ET.Element("mujoco")
     _copy_inside(root, kept)
@@ -108,7 +110,7 @@ def _parsed(xml: str) -> ET.Element:
         builder.end(tag)
 
     def refuse(*_: Any) -> NoReturn:
-        raise FormatError("the model has a document type declaration, which no model needs")
+        raise UnsafeError("the model has a document type declaration, which no model needs")
 
     parser = expat.ParserCreate()
     parser.StartElementHandler, parser.EndElementHandler, parser.StartDoctypeDeclHandler = start, end, refuse

@@ -55,7 +55,7 @@ def _told(recorded: Recorded, config: ImportConfig) -> Told:
     try:
         model = KinematicModel(recorded.xml)
     except FormatError as error:
-        raise recorded.fail(str(error)) from None
+        raise type(error)(str(recorded.fail(str(error)))) from None
     recorded.check_states(model.state_size)
     replayed = model.replay(recorded.states)
     objects = {o.name: config.types.get(o.name, type_name(o.name)) for o in model.objects}

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from symskill_pddl.errors import FormatError, InputError, shown
+from symskill_pddl.errors import FormatError, InputError, UnsafeError, shown
 
 if TYPE_CHECKING:
     import h5py
@@ -98,6 +98,10 @@ class _Node:
         """An error about this node, or another path."""
         at = self.name if inside is None else inside
         return FormatError(f"'{self._shared.where}': {shown(at, 120)}{': ' if at else ''}{message}")
+
+    def unsafe(self, message: str, inside: str | None = None) -> UnsafeError:
+        """An error for which the whole file is refused."""
+        return UnsafeError(str(self.fail(message, inside)))
 
     @contextmanager
     def _reading(self) -> Iterator[None]:
@@ -207,7 +211,7 @@ class Group(_Node):
         if isinstance(link, h5py.SoftLink):
             return self._along(str(link.path), inside, hops - 1)
         if not isinstance(link, h5py.HardLink):
-            raise self.fail("is a link to another file, and data of other files is not read", inside)
+            raise self.unsafe("is a link to another file, and data of other files is not read", inside)
         with self._reading():
             node = self._node[name]
             if isinstance(node, h5py.Dataset):
@@ -269,9 +273,9 @@ class Dataset(_Node):
             plan = self._node.id.get_create_plist()
             layout = plan.get_layout()
             if layout == h5py.h5d.VIRTUAL:
-                raise self.fail("is a virtual data set: its numbers are in other files, which are not read")
+                raise self.unsafe("is a virtual data set: its numbers are in other files, which are not read")
             if plan.get_external_count():
-                raise self.fail("is stored in another file, which is not read")
+                raise self.unsafe("is stored in another file, which is not read")
             # they are worked on as float64
             self._take(math.prod(self.shape) * max(self.dtype.itemsize, 8))
             if layout == h5py.h5d.CHUNKED:
@@ -307,7 +311,7 @@ class Dataset(_Node):
 
     def _take(self, size: int) -> None:
         if size > self._shared.room:
-            raise self.fail(
+            raise self.unsafe(
                 f"states {self.shape} numbers, more than {self._shared.room // 1_000_000} MB, the most that a file of "
                 f"{self._shared.length} bytes is trusted with"
             )
@@ -319,11 +323,11 @@ class Dataset(_Node):
         if strange := [f for f in filters if f not in self.ALLOWED]:
             raise self.fail(f"is packed with the filter {strange[0]}; read are {', '.join(self.ALLOWED.values())}")
         if filters.count(1) > 1:
-            raise self.fail("is compressed more than once")
+            raise self.unsafe("is compressed more than once")
         size = math.prod(plan.get_chunk()) * self.dtype.itemsize
         # a chunk may be larger than the array, and is decompressed as a whole
         if size > self._shared.room + math.prod(self.shape) * self.dtype.itemsize:
-            raise self.fail(f"has chunks of {size} bytes, more than a file of {self._shared.length} bytes is trusted with")
+            raise self.unsafe(f"has chunks of {size} bytes, more than a file of {self._shared.length} bytes is trusted with")
         chunks: list[Any] = []
         self._node.id.chunk_iter(lambda chunk: True if len(chunks) > MOST_CHUNKS else chunks.append(chunk))
         if len(chunks) > MOST_CHUNKS:
@@ -342,7 +346,7 @@ class Dataset(_Node):
         # a checksum of 4 bytes may be inside
         found = unpacking.decompress(content, size + 5)
         if len(found) > size + 4:
-            raise self.fail(f"has a chunk of {size} bytes that becomes longer when it is decompressed")
+            raise self.unsafe(f"has a chunk of {size} bytes that becomes longer when it is decompressed")
 
 
 def _address(group: Any) -> int:

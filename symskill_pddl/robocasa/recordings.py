@@ -17,7 +17,7 @@ from symskill_pddl.demos.lerobot import is_lerobot, read_lerobot
 from symskill_pddl.demos.recorded import Recorded, read_recording
 from symskill_pddl.demos.replay import KinematicModel
 from symskill_pddl.demos.safe_hdf5 import Group, opened
-from symskill_pddl.errors import InputError, alternatives
+from symskill_pddl.errors import InputError, UnsafeError, alternatives
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.panda.arm import Q_GRIP_EE
 from symskill_pddl.robocasa.recorded_kitchen import RecordedEnv
@@ -83,6 +83,8 @@ def _demo(recorded: Recorded, config: ImportConfig) -> Demo:
         env = RecordedEnv(found, recorded.meta)
         seen = look(spec.about, found, env, env.fixture(spec))
         view = View(found.T_world_robot(), seen.mirrored)
+    except UnsafeError as error:
+        raise UnsafeError(f"{recorded.where}: {error}") from None
     except (InputError, KeyError) as error:
         raise recorded.fail(" ".join(str(error).split()).removeprefix(f"{recorded.where}: ")) from None
     T_world_ee, aperture, T_world_bodies = _poses(model, recorded.states, [t.body for t in seen.tracked])

@@ -9,7 +9,7 @@ import pytest
 from symskill_pddl.demos import import_robosuite, load_demos, save_demos
 from symskill_pddl.demos.importing import ImportConfig
 from symskill_pddl.demos.replay import KinematicModel, kinematic_xml, object_name, type_name
-from symskill_pddl.errors import FormatError, InputError
+from symskill_pddl.errors import FormatError, InputError, UnsafeError
 from symskill_pddl.geometry import rotation_distance
 
 DATA = Path(__file__).parents[1] / "data" / "robosuite"
@@ -366,3 +366,29 @@ def test_the_opening_is_between_the_tips_whatever_the_joints_read(joint):
     opened = model.replay(states).aperture
     moved = {"slide": [0.0, 0.02, 0.06], "hinge": 2 * 0.1 * np.sin([0.0, 0.01, 0.03])}[joint]
     np.testing.assert_allclose(opened, 0.04 + np.array(moved), atol=1e-3)
+
+
+@pytest.mark.parametrize("how", ["virtual", "external", "link", "include", "size"])
+def test_a_recording_that_reaches_outside_itself_is_refused_as_a_whole(tmp_path, how):
+    path = tmp_path / "lift.hdf5"
+    shutil.copy(DATA / "panda_lift.hdf5", path)
+    with h5py.File(path, "r+") as file:
+        name = min(file["data"])
+        group = file["data"][name]
+        shape, model = group["states"].shape, group.attrs["model_file"]
+        if how == "include":
+            group.attrs["model_file"] = model.replace("<worldbody>", '<include file="/etc/passwd"/><worldbody>', 1)
+        else:
+            del group["states"]
+        if how == "virtual":
+            layout = h5py.VirtualLayout(shape, "f8")
+            layout[...] = h5py.VirtualSource("other.hdf5", "states", shape)
+            group.create_virtual_dataset("states", layout)
+        elif how == "external":
+            group.create_dataset("states", shape, "f8", external=[("/etc/passwd", 0, 8 * shape[0] * shape[1])])
+        elif how == "link":
+            group["states"] = h5py.ExternalLink("other.hdf5", "/states")
+        elif how == "size":
+            group.create_dataset("states", (10**9, shape[1]), "f8", chunks=True)
+    with pytest.raises(UnsafeError, match=rf"lift.hdf5.*{name}"):
+        import_robosuite(path)
