@@ -9,19 +9,17 @@ from pathlib import Path
 from typing import Any
 
 from symskill_pddl.errors import FormatError, InputError, alternatives
-from symskill_pddl.learning.endings import EndingConfig
 from symskill_pddl.learning.hints import Hints
-from symskill_pddl.learning.motions import SegmentConfig
 from symskill_pddl.learning.scale import RelationConfig
 from symskill_pddl.learning.skills import SkillConfig
+from symskill_pddl.learning.states import StateConfig
 
 
 @dataclass(frozen=True)
 class LearnConfig:
     """All settings of learning, stage by stage: the sections of a file of settings."""
 
-    segments: SegmentConfig = field(default_factory=SegmentConfig)
-    endings: EndingConfig = field(default_factory=EndingConfig)
+    states: StateConfig = field(default_factory=StateConfig)
     relations: RelationConfig = field(default_factory=RelationConfig)
     skills: SkillConfig = field(default_factory=SkillConfig)
     hints: Hints = field(default_factory=Hints)

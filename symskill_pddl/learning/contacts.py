@@ -73,7 +73,7 @@ def _carried(e: Episode) -> bool:
 
 def _closed(e: Episode) -> bool:
     """The finger command while the object moves (majority)."""
-    return bool(np.mean(e.demo.gripper_closed[e.start : e.stop]) > 0.5)
+    return e.held or bool(np.mean(e.demo.gripper_closed[e.start : e.stop]) > 0.5)
 
 
 def _acting(e: Episode, config: PredicateConfig, samples: int = 25) -> Pose:
@@ -95,8 +95,7 @@ def _contact_of(episodes: Sequence[Episode], jointed: Mapping[str, bool], config
     acting = [_acting(e, config) for e in episodes]
     poses = Pose(np.concatenate([T.p for T in acting]), np.concatenate([T.q for T in acting]))
     closes = bool(np.mean([_closed(e) for e in episodes]) > 0.5)
-    # held: the hand is around the object when the fingers close, that is it does not come any nearer afterwards
-    held = closes and bool(np.mean([_closes_on(e) for e in episodes]) > 0.5)
+    held = bool(np.mean([e.held for e in episodes]) > 0.5)
     return Contact(
         type=episodes[0].type,
         shape=fit_shape(poses, len(episodes), config.contact_shape),
@@ -135,23 +134,3 @@ def _apart(index: int, contacts: Sequence[Contact], labels: Sequence[Label]) -> 
             e = label.episode
             shape = narrowed(shape, e.demo.pose(e.obj)[e.begin].inverse() @ e.demo.T_world_ee[e.begin])
     return replace(contact, shape=shape)
-
-
-def _closes_on(e: Episode) -> bool:
-    closing = closing_sample(e)
-    if closing is None:
-        return False
-    pair = [closing, max(closing, e.start)]
-    T_obj_ee = e.demo.pose(e.obj)[pair].inverse() @ e.demo.T_world_ee[pair]
-    return bool(np.linalg.norm(T_obj_ee.p[1] - T_obj_ee.p[0]) < 0.01)
-
-
-def closing_sample(e: Episode) -> int | None:
-    """The last sample at which the fingers are told to close before the motion, or as it begins; None if they are not.
-
-    Fingers that close on an object push it a little, so the command may come a moment after the object's first movement.
-    """
-    soon = int(np.searchsorted(e.demo.times, e.demo.times[e.start] + 0.5))
-    command = e.demo.gripper_closed[e.begin : min(soon, e.stop - 1) + 1].astype(np.int8)
-    switches = np.flatnonzero(np.diff(command) > 0)
-    return e.begin + int(switches[-1]) + 1 if len(switches) and command[-1] else None

@@ -97,7 +97,9 @@ def _placements(
         ]
     alone = [fit_joint([way], config.articulation) is not None for e in episodes if (way := e.way(type_)) is not None]
     hint = config.joints.get(type_)
-    if hint != "free" and (hint is not None or np.mean(alone) >= 0.8):
+    followed = [e.follows for e in episodes if e.follows is not None and type_ == e.type and e.body is None]
+    free = bool(followed) and float(np.median(followed)) > 0.5
+    if hint != "free" and (hint is not None or (np.mean(alone) >= 0.8 and not free)):
         found = place(rests, True, extents, config.references, answers)
         joints = _joints(episodes, found, type_, config)
         kinds = {{"hinge": "revolute", "slide": "prismatic"}[joint.kind] for joint in joints.values()}

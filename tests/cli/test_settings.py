@@ -20,6 +20,7 @@ def test_the_document_holds_them_as_they_are():
 @pytest.mark.parametrize(
     ("name", "value", "unit"),
     [
+        ("states.still", "0.01", "A"),
         ("relations.spread", "0.25", "A"),
         ("relations.gap_deg", "18", "deg"),
         ("relations.odd_of", "3", ""),

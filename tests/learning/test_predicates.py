@@ -2,8 +2,8 @@ import numpy as np
 from synthetic import EXTENTS, Recorder, facing, kitchen, move_food, open_door, record, yaw_pose
 
 from symskill_pddl.geometry import Pose
+from symskill_pddl.learning.episodes import segment_all
 from symskill_pddl.learning.predicates import learn_relations
-from symskill_pddl.learning.segments import segment_all
 from symskill_pddl.symbols import Atom, Predicate
 
 from .conftest import Symbols
@@ -86,8 +86,8 @@ def test_two_shelves_are_two_places_and_two_spots_are_one():
 def test_what_leads_back_to_its_place_is_left_out_and_said():
     rng = np.random.default_rng(0)
     r = Recorder(rng, kitchen(rng, 1.6) | {"cheese": ("food", yaw_pose([0.45, 0.1, 0.02]))}, faults=False)
-    move_food(r, "cheese", yaw_pose([0.45, 0.15, 0.02]), 0.7)
     move_food(r, "cheese", r.poses["cabinet"] @ yaw_pose([-0.05, 0.0, -0.16]), 0.7)
+    move_food(r, "cheese", r.poses["cabinet"] @ yaw_pose([-0.05, 0.05, -0.16]), 0.7)
     demo = r.demo("demo_0", "again", "any")
     episodes = segment_all([demo])
     relations = learn_relations([demo], episodes, EXTENTS)

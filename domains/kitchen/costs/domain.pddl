@@ -1,4 +1,4 @@
-; symskill 4e5c9aa2c885: checksum of the other lines, by which an edited file is not overwritten unasked
+; symskill 800f115becc9: checksum of the other lines, by which an edited file is not overwritten unasked
 ; Learned from demonstrations by symskill. What a predicate means geometrically stands above it.
 ; This file may be edited by hand; `symskill check` says what an edit means.
 ; costs are in 1/100 of the unit that they were learned in
@@ -33,24 +33,24 @@
   (:predicates
     ; built in: the fingers are told to open and are further apart than 6.1 cm; false again below 4.9 cm
     (gripper-open)
-    ; gripper at x -4.8, y 14.4, z -13.7 cm in the door's frame, give or take 1.8 x 1.8 x 2.5 cm
-    ; turned 132 deg about (-0.05, 1.00, 0.02), give or take 22 x 17 x 21 deg
+    ; gripper at x -4.8, y 14.4, z -13.7 cm in the door's frame, give or take 1.8 x 1.9 x 2.6 cm
+    ; turned 132 deg about (-0.05, 1.00, 0.02), give or take 21 x 17 x 21 deg
     ; false again beyond 1.3 times that
     (gripper-at-door-to-close ?door - door)
-    ; gripper at x 3.6, y 12.9, z -11.8 cm in the door's frame, give or take 2.8 x 2.4 x 3.5 cm
-    ; turned 174 deg about (-0.09, -0.88, 0.46), give or take 16 x 27 x 22 deg
+    ; gripper at x 3.7, y 12.9, z -11.8 cm in the door's frame, give or take 3.1 x 2.4 x 3.5 cm
+    ; turned 175 deg about (-0.08, -0.88, 0.46), give or take 16 x 29 x 23 deg
     ; false again beyond 1.3 times that
     (gripper-at-door-to-open ?door - door)
-    ; gripper at x -3.2, y 2.8, z 0.0 cm in the lever's frame, give or take 3.1 x 2.7 x 2.3 cm
-    ; turned 164 deg about (-0.15, 0.99, 0.02), give or take 20 x 18 x 41 deg
+    ; gripper at x -3.2, y 2.8, z 0.0 cm in the lever's frame, give or take 3.1 x 2.7 x 2.4 cm
+    ; turned 164 deg about (-0.14, 0.99, 0.02), give or take 19 x 18 x 39 deg
     ; false again beyond 1.3 times that
     (gripper-at-lever-to-turn ?lever - lever)
-    ; gripper at x -3.5, y -3.5, z 0.1 cm in the lever's frame, give or take 4.1 x 3.1 x 3.0 cm
-    ; turned 165 deg about (-0.13, 0.99, 0.02), give or take 19 x 21 x 36 deg
+    ; gripper at x -3.5, y -3.5, z 0.1 cm in the lever's frame, give or take 4.2 x 3.1 x 3.1 cm
+    ; turned 165 deg about (-0.13, 0.99, 0.02), give or take 18 x 20 x 35 deg
     ; false again beyond 1.3 times that
     (gripper-at-lever-to-turn-back ?lever - lever)
     ; gripper at x -5.3, y 14.5, z -12.3 cm in the door's frame, give or take 1.8 x 1.8 x 3.2 cm
-    ; turned 131 deg about y, give or take 22 x 17 x 21 deg
+    ; turned 131 deg about y, give or take 22 x 17 x 20 deg
     ; false again beyond 1.3 times that
     (gripper-holds-door-from-closed ?door - door)
     ; gripper at x 0.1, y 18.8, z -10.1 cm in the door's frame, give or take 2.4 x 2.4 x 5.5 cm
@@ -62,7 +62,7 @@
     ; false again beyond 1.3 times that
     (gripper-holds-drawer-to-close ?drawer - drawer)
     ; gripper at x -7.0, y -0.3, z 2.9 cm in the drawer's frame, give or take 1.8 x 3.9 x 1.8 cm
-    ; turned 160 deg about (-0.70, 0.69, -0.18), give or take 18 x 16 x 16 deg
+    ; turned 160 deg about (-0.70, 0.69, -0.18), give or take 17 x 16 x 16 deg
     ; false again beyond 1.3 times that
     (gripper-holds-drawer-to-open ?drawer - drawer)
     ; gripper at x -0.1, y 0.0, z 0.1 cm in the food's frame, give or take 2.2 x 2.1 x 2.2 cm
@@ -70,42 +70,42 @@
     ; false again beyond 1.3 times that
     (gripper-holds-food ?food - food)
     ; gripper at x -0.1, y 0.1, z -0.2 cm in the knob's frame, give or take 1.9 x 1.8 x 1.8 cm
-    ; turned 174 deg about y, give or take 16 x 17 x 16 deg
+    ; turned 174 deg about y, give or take 16 x 16 x 16 deg
     ; false again beyond 1.3 times that
     (gripper-holds-knob-to-turn ?knob - knob)
     ; gripper at x -0.1, y 0.1, z -0.2 cm in the knob's frame, give or take 1.9 x 1.8 x 1.8 cm
-    ; turned 174 deg about y, give or take 16 x 17 x 16 deg
+    ; turned 174 deg about y, give or take 16 x 16 x 16 deg
     ; false again beyond 1.3 times that
     (gripper-holds-knob-to-turn-back ?knob - knob)
     ; door at x -30.3, y -7.7, z 0.0 cm in the cabinet's frame, give or take 1.3 x 1.4 x 1.1 cm
-    ; turned 51 deg about z, give or take 2.7 x 2.7 x 4.4 deg
+    ; turned 51 deg about z, give or take 2.5 x 2.5 x 4.3 deg
     ; false again beyond 1.3 times that
     (door-ajar ?door - door ?cabinet - cabinet)
-    ; door at x -15.9, y 0.0, z 0.0 cm in the cabinet's frame, give or take 1.0 x 1.0 x 1.0 cm
-    ; not turned, give or take 2.5 x 2.5 x 2.5 deg
+    ; door at x -15.9, y 0.0, z 0.0 cm in the cabinet's frame, give or take 1.1 x 1.1 x 1.1 cm
+    ; not turned, give or take 2.4 x 2.4 x 2.4 deg
     ; false again beyond 1.3 times that
     (door-closed ?door - door ?cabinet - cabinet)
-    ; door at x -33.7, y -21.5, z 0.0 cm in the cabinet's frame, give or take 1.5 x 7.4 x 1.1 cm
-    ; turned 95 deg about z, give or take 2.7 x 2.7 x 22 deg
+    ; door at x -33.7, y -21.5, z 0.0 cm in the cabinet's frame, give or take 1.5 x 7.3 x 1.1 cm
+    ; turned 95 deg about z, give or take 2.5 x 2.5 x 22 deg
     ; false again beyond 1.3 times that
     (door-open ?door - door ?cabinet - cabinet)
-    ; drawer at x -17.0, y 0.0, z 0.0 cm in the drawer-unit's frame, give or take 1.0 x 1.0 x 1.0 cm
-    ; not turned, give or take 2.5 x 2.5 x 2.5 deg
+    ; drawer at x -17.0, y 0.0, z 0.0 cm in the drawer-unit's frame, give or take 1.1 x 1.1 x 1.1 cm
+    ; not turned, give or take 2.3 x 2.3 x 2.3 deg
     ; false again beyond 1.3 times that
     (drawer-closed ?drawer - drawer ?drawer-unit - drawer-unit)
     ; drawer at x -33.4, y 0.0, z 0.0 cm in the drawer-unit's frame, give or take 4.3 x 1.2 x 1.2 cm
-    ; not turned, give or take 2.9 x 2.9 x 2.9 deg
+    ; not turned, give or take 2.8 x 2.8 x 2.8 deg
     ; false again beyond 1.3 times that
     (drawer-open ?drawer - drawer ?drawer-unit - drawer-unit)
     ; food at x -7.7, y 0.0, z -21.2 cm in the cabinet's frame, give or take 5.6 x 9.1 x 1.3 cm
     ; turned 1 deg about -z, give or take 6.8 x 6.8 x 33 deg
     ; false again beyond 1.3 times that
     (food-in-cabinet ?food - food ?cabinet - cabinet)
-    ; food at x -0.8, y 0.2, z 1.0 cm in the cookware's frame, give or take 5.3 x 4.0 x 1.1 cm
+    ; food at x -0.8, y 0.2, z 1.0 cm in the cookware's frame, give or take 5.3 x 4.0 x 1.2 cm
     ; turned 3 deg about -z, give or take 6.8 x 6.8 x 26 deg
     ; false again beyond 1.3 times that
     (food-in-cookware ?food - food ?cookware - cookware)
-    ; food at x 0.2, y 0.1, z 2.0 cm in the container's frame, give or take 3.2 x 3.4 x 1.1 cm
+    ; food at x 0.2, y 0.1, z 2.0 cm in the container's frame, give or take 3.3 x 3.4 x 1.2 cm
     ; turned 3 deg about -z, give or take 6.8 x 6.8 x 23 deg
     ; false again beyond 1.3 times that
     (food-on-container ?food - food ?container - container)
@@ -114,25 +114,25 @@
     ; false again beyond 1.3 times that
     (food-on-counter ?food - food ?counter - counter)
     ; knob at x -13.0, y 0.0, z 2.7 cm in the stove's frame, give or take 1.2 x 1.2 x 1.2 cm
-    ; turned 92 deg about z, give or take 2.9 x 2.9 x 18 deg
+    ; turned 92 deg about z, give or take 2.8 x 2.8 x 18 deg
     ; false again beyond 1.3 times that
     (knob-turned ?knob - knob ?stove - stove)
-    ; knob at x -13.0, y 0.0, z 2.7 cm in the stove's frame, give or take 1.0 x 1.0 x 1.0 cm
-    ; not turned, give or take 3.3 x 3.3 x 4.3 deg
+    ; knob at x -13.0, y 0.0, z 2.7 cm in the stove's frame, give or take 1.1 x 1.1 x 1.1 cm
+    ; not turned, give or take 3.2 x 3.2 x 4.3 deg
     ; false again beyond 1.3 times that
     (knob-unturned ?knob - knob ?stove - stove)
     ; lever at x 3.7, y 20.8, z 7.8 cm in the sink's frame, give or take 2.0 x 1.3 x 1.2 cm
-    ; turned 73 deg about -z, give or take 2.9 x 2.9 x 22 deg
+    ; turned 73 deg about -z, give or take 2.8 x 2.8 x 22 deg
     ; false again beyond 1.3 times that
     (lever-turned ?lever - lever ?sink - sink)
-    ; lever at x 0.5, y 16.5, z 7.8 cm in the sink's frame, give or take 1.0 x 1.0 x 1.0 cm
-    ; not turned, give or take 2.5 x 2.5 x 2.5 deg
+    ; lever at x 0.5, y 16.5, z 7.8 cm in the sink's frame, give or take 1.1 x 1.1 x 1.1 cm
+    ; not turned, give or take 2.3 x 2.3 x 2.4 deg
     ; false again beyond 1.3 times that
     (lever-unturned ?lever - lever ?sink - sink)
   )
   (:functions (total-cost) - number)
 
-  ; reach, learned from 10 episodes in 10 demonstrations; took 3.8 s on average, 4.6 s at most
+  ; reach, learned from 10 episodes in 10 demonstrations; took 1.7 s on average, 2.1 s at most
   ; skill reach-door-ajar-to-close
   ; maintains (door-ajar ?door ?cabinet) (gripper-open)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -144,9 +144,9 @@
     :effect (and
       (gripper-at-door-to-close ?door)
       (not (door-ajar ?door ?cabinet))
-      (increase (total-cost) 380)))
+      (increase (total-cost) 170)))
 
-  ; reach, learned from 10 episodes in 10 demonstrations; took 5.3 s on average, 6.8 s at most
+  ; reach, learned from 10 episodes in 10 demonstrations; took 5.4 s on average, 6.7 s at most
   ; skill reach-door-ajar-to-open
   ; maintains (door-ajar ?door ?cabinet) (gripper-open)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -158,7 +158,7 @@
     :effect (and
       (gripper-at-door-to-open ?door)
       (not (door-ajar ?door ?cabinet))
-      (increase (total-cost) 530)))
+      (increase (total-cost) 540)))
 
   ; reach, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 8.7 s at most
   ; skill reach-door-closed
@@ -218,7 +218,7 @@
       (not (gripper-at-door-to-open ?door))
       (increase (total-cost) 350)))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 4.7 s on average, 6.0 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 4.6 s on average, 5.8 s at most
   ; skill move-door-ajar-from-closed
   ; maintains (gripper-holds-door-from-closed ?door)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -230,9 +230,9 @@
       (door-ajar ?door ?cabinet)
       (gripper-open)
       (not (gripper-holds-door-from-closed ?door))
-      (increase (total-cost) 470)))
+      (increase (total-cost) 460)))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.7 s on average, 4.6 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.6 s on average, 4.5 s at most
   ; skill move-door-ajar-from-open
   ; maintains (gripper-holds-door-from-open ?door)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -244,7 +244,7 @@
       (door-ajar ?door ?cabinet)
       (gripper-open)
       (not (gripper-holds-door-from-open ?door))
-      (increase (total-cost) 370)))
+      (increase (total-cost) 360)))
 
   ; reach, learned from 10 episodes in 10 demonstrations; took 7.2 s on average, 9.8 s at most
   ; skill reach-drawer-open
@@ -278,7 +278,7 @@
       (not (gripper-open))
       (increase (total-cost) 680)))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.0 s on average, 3.5 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 2.9 s on average, 3.4 s at most
   ; skill close-drawer
   ; maintains (gripper-holds-drawer-to-close ?drawer)
   ; dropped effect: deletes (gripper-holds-drawer-to-open ?drawer): one contact at a time
@@ -292,9 +292,9 @@
       (drawer-closed ?drawer ?drawer-unit)
       (gripper-open)
       (not (gripper-holds-drawer-to-close ?drawer))
-      (increase (total-cost) 300)))
+      (increase (total-cost) 290)))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.2 s on average, 3.9 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.1 s on average, 3.7 s at most
   ; skill open-drawer
   ; maintains (gripper-holds-drawer-to-open ?drawer)
   ; dropped effect: deletes (gripper-holds-drawer-to-close ?drawer): one contact at a time
@@ -308,9 +308,9 @@
       (drawer-open ?drawer ?drawer-unit)
       (gripper-open)
       (not (gripper-holds-drawer-to-open ?drawer))
-      (increase (total-cost) 320)))
+      (increase (total-cost) 310)))
 
-  ; pick, learned from 10 episodes in 10 demonstrations; took 6.8 s on average, 9.8 s at most
+  ; pick, learned from 10 episodes in 10 demonstrations; took 6.9 s on average, 9.8 s at most
   ; skill pick-food-from-cabinet
   ; maintains (door-open ?door ?cabinet) (food-in-cabinet ?food ?cabinet)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -324,7 +324,7 @@
       (gripper-holds-food ?food)
       (not (food-in-cabinet ?food ?cabinet))
       (not (gripper-open))
-      (increase (total-cost) 680)))
+      (increase (total-cost) 690)))
 
   ; pick, learned from 10 episodes in 10 demonstrations; took 5.8 s on average, 7.5 s at most
   ; skill pick-food-from-cookware
@@ -341,7 +341,7 @@
       (not (gripper-open))
       (increase (total-cost) 580)))
 
-  ; pick, learned from 10 episodes in 10 demonstrations; took 5.7 s on average, 6.9 s at most
+  ; pick, learned from 10 episodes in 10 demonstrations; took 5.7 s on average, 7.0 s at most
   ; skill pick-food-from-container
   ; maintains (food-on-container ?food ?container)
   ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -372,7 +372,7 @@
       (not (gripper-open))
       (increase (total-cost) 570)))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 7.5 s on average, 9.1 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 7.4 s on average, 9.0 s at most
   ; skill place-food-in-cabinet
   ; maintains (door-open ?door ?cabinet) (gripper-holds-food ?food)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -385,9 +385,9 @@
       (food-in-cabinet ?food ?cabinet)
       (gripper-open)
       (not (gripper-holds-food ?food))
-      (increase (total-cost) 750)))
+      (increase (total-cost) 740)))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 6.0 s on average, 7.5 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 5.9 s on average, 7.4 s at most
   ; skill place-food-in-cookware
   ; maintains (gripper-holds-food ?food)
   ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -399,9 +399,9 @@
       (food-in-cookware ?food ?cookware)
       (gripper-open)
       (not (gripper-holds-food ?food))
-      (increase (total-cost) 600)))
+      (increase (total-cost) 590)))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 7.9 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 6.1 s on average, 7.7 s at most
   ; skill place-food-on-container
   ; maintains (gripper-holds-food ?food)
   ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -413,9 +413,9 @@
       (food-on-container ?food ?container)
       (gripper-open)
       (not (gripper-holds-food ?food))
-      (increase (total-cost) 620)))
+      (increase (total-cost) 610)))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 7.6 s on average, 9.8 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 7.5 s on average, 9.7 s at most
   ; skill place-food-on-counter
   ; maintains (gripper-holds-food ?food)
   ; dropped precondition (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -428,7 +428,7 @@
       (food-on-counter ?food ?counter)
       (gripper-open)
       (not (gripper-holds-food ?food))
-      (increase (total-cost) 760)))
+      (increase (total-cost) 750)))
 
   ; reach, learned from 10 episodes in 10 demonstrations; took 5.4 s on average, 7.7 s at most
   ; skill reach-knob-unturned
@@ -462,7 +462,7 @@
       (not (knob-turned ?knob ?stove))
       (increase (total-cost) 580)))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.7 s on average, 4.3 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.6 s on average, 4.1 s at most
   ; skill turn-knob
   ; maintains (gripper-holds-knob-to-turn ?knob)
   ; dropped effect: deletes (gripper-holds-knob-to-turn-back ?knob): one contact at a time
@@ -476,9 +476,9 @@
       (gripper-open)
       (knob-turned ?knob ?stove)
       (not (gripper-holds-knob-to-turn ?knob))
-      (increase (total-cost) 370)))
+      (increase (total-cost) 360)))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.3 s on average, 4.0 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.2 s on average, 3.9 s at most
   ; skill turn-knob-back
   ; maintains (gripper-holds-knob-to-turn-back ?knob)
   ; dropped effect: deletes (gripper-holds-knob-to-turn ?knob): one contact at a time
@@ -492,7 +492,7 @@
       (gripper-open)
       (knob-unturned ?knob ?stove)
       (not (gripper-holds-knob-to-turn-back ?knob))
-      (increase (total-cost) 330)))
+      (increase (total-cost) 320)))
 
   ; reach, learned from 10 episodes in 10 demonstrations; took 6.4 s on average, 9.4 s at most
   ; skill reach-lever-unturned

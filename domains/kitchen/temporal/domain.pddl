@@ -1,4 +1,4 @@
-; symskill 75179eeb109d: checksum of the other lines, by which an edited file is not overwritten unasked
+; symskill 3058853c0268: checksum of the other lines, by which an edited file is not overwritten unasked
 ; Learned from demonstrations by symskill. What a predicate means geometrically stands above it.
 ; This file may be edited by hand; `symskill check` says what an edit means.
 (define (domain kitchen)
@@ -32,24 +32,24 @@
   (:predicates
     ; built in: the fingers are told to open and are further apart than 6.1 cm; false again below 4.9 cm
     (gripper-open)
-    ; gripper at x -4.8, y 14.4, z -13.7 cm in the door's frame, give or take 1.8 x 1.8 x 2.5 cm
-    ; turned 132 deg about (-0.05, 1.00, 0.02), give or take 22 x 17 x 21 deg
+    ; gripper at x -4.8, y 14.4, z -13.7 cm in the door's frame, give or take 1.8 x 1.9 x 2.6 cm
+    ; turned 132 deg about (-0.05, 1.00, 0.02), give or take 21 x 17 x 21 deg
     ; false again beyond 1.3 times that
     (gripper-at-door-to-close ?door - door)
-    ; gripper at x 3.6, y 12.9, z -11.8 cm in the door's frame, give or take 2.8 x 2.4 x 3.5 cm
-    ; turned 174 deg about (-0.09, -0.88, 0.46), give or take 16 x 27 x 22 deg
+    ; gripper at x 3.7, y 12.9, z -11.8 cm in the door's frame, give or take 3.1 x 2.4 x 3.5 cm
+    ; turned 175 deg about (-0.08, -0.88, 0.46), give or take 16 x 29 x 23 deg
     ; false again beyond 1.3 times that
     (gripper-at-door-to-open ?door - door)
-    ; gripper at x -3.2, y 2.8, z 0.0 cm in the lever's frame, give or take 3.1 x 2.7 x 2.3 cm
-    ; turned 164 deg about (-0.15, 0.99, 0.02), give or take 20 x 18 x 41 deg
+    ; gripper at x -3.2, y 2.8, z 0.0 cm in the lever's frame, give or take 3.1 x 2.7 x 2.4 cm
+    ; turned 164 deg about (-0.14, 0.99, 0.02), give or take 19 x 18 x 39 deg
     ; false again beyond 1.3 times that
     (gripper-at-lever-to-turn ?lever - lever)
-    ; gripper at x -3.5, y -3.5, z 0.1 cm in the lever's frame, give or take 4.1 x 3.1 x 3.0 cm
-    ; turned 165 deg about (-0.13, 0.99, 0.02), give or take 19 x 21 x 36 deg
+    ; gripper at x -3.5, y -3.5, z 0.1 cm in the lever's frame, give or take 4.2 x 3.1 x 3.1 cm
+    ; turned 165 deg about (-0.13, 0.99, 0.02), give or take 18 x 20 x 35 deg
     ; false again beyond 1.3 times that
     (gripper-at-lever-to-turn-back ?lever - lever)
     ; gripper at x -5.3, y 14.5, z -12.3 cm in the door's frame, give or take 1.8 x 1.8 x 3.2 cm
-    ; turned 131 deg about y, give or take 22 x 17 x 21 deg
+    ; turned 131 deg about y, give or take 22 x 17 x 20 deg
     ; false again beyond 1.3 times that
     (gripper-holds-door-from-closed ?door - door)
     ; gripper at x 0.1, y 18.8, z -10.1 cm in the door's frame, give or take 2.4 x 2.4 x 5.5 cm
@@ -61,7 +61,7 @@
     ; false again beyond 1.3 times that
     (gripper-holds-drawer-to-close ?drawer - drawer)
     ; gripper at x -7.0, y -0.3, z 2.9 cm in the drawer's frame, give or take 1.8 x 3.9 x 1.8 cm
-    ; turned 160 deg about (-0.70, 0.69, -0.18), give or take 18 x 16 x 16 deg
+    ; turned 160 deg about (-0.70, 0.69, -0.18), give or take 17 x 16 x 16 deg
     ; false again beyond 1.3 times that
     (gripper-holds-drawer-to-open ?drawer - drawer)
     ; gripper at x -0.1, y 0.0, z 0.1 cm in the food's frame, give or take 2.2 x 2.1 x 2.2 cm
@@ -69,42 +69,42 @@
     ; false again beyond 1.3 times that
     (gripper-holds-food ?food - food)
     ; gripper at x -0.1, y 0.1, z -0.2 cm in the knob's frame, give or take 1.9 x 1.8 x 1.8 cm
-    ; turned 174 deg about y, give or take 16 x 17 x 16 deg
+    ; turned 174 deg about y, give or take 16 x 16 x 16 deg
     ; false again beyond 1.3 times that
     (gripper-holds-knob-to-turn ?knob - knob)
     ; gripper at x -0.1, y 0.1, z -0.2 cm in the knob's frame, give or take 1.9 x 1.8 x 1.8 cm
-    ; turned 174 deg about y, give or take 16 x 17 x 16 deg
+    ; turned 174 deg about y, give or take 16 x 16 x 16 deg
     ; false again beyond 1.3 times that
     (gripper-holds-knob-to-turn-back ?knob - knob)
     ; door at x -30.3, y -7.7, z 0.0 cm in the cabinet's frame, give or take 1.3 x 1.4 x 1.1 cm
-    ; turned 51 deg about z, give or take 2.7 x 2.7 x 4.4 deg
+    ; turned 51 deg about z, give or take 2.5 x 2.5 x 4.3 deg
     ; false again beyond 1.3 times that
     (door-ajar ?door - door ?cabinet - cabinet)
-    ; door at x -15.9, y 0.0, z 0.0 cm in the cabinet's frame, give or take 1.0 x 1.0 x 1.0 cm
-    ; not turned, give or take 2.5 x 2.5 x 2.5 deg
+    ; door at x -15.9, y 0.0, z 0.0 cm in the cabinet's frame, give or take 1.1 x 1.1 x 1.1 cm
+    ; not turned, give or take 2.4 x 2.4 x 2.4 deg
     ; false again beyond 1.3 times that
     (door-closed ?door - door ?cabinet - cabinet)
-    ; door at x -33.7, y -21.5, z 0.0 cm in the cabinet's frame, give or take 1.5 x 7.4 x 1.1 cm
-    ; turned 95 deg about z, give or take 2.7 x 2.7 x 22 deg
+    ; door at x -33.7, y -21.5, z 0.0 cm in the cabinet's frame, give or take 1.5 x 7.3 x 1.1 cm
+    ; turned 95 deg about z, give or take 2.5 x 2.5 x 22 deg
     ; false again beyond 1.3 times that
     (door-open ?door - door ?cabinet - cabinet)
-    ; drawer at x -17.0, y 0.0, z 0.0 cm in the drawer-unit's frame, give or take 1.0 x 1.0 x 1.0 cm
-    ; not turned, give or take 2.5 x 2.5 x 2.5 deg
+    ; drawer at x -17.0, y 0.0, z 0.0 cm in the drawer-unit's frame, give or take 1.1 x 1.1 x 1.1 cm
+    ; not turned, give or take 2.3 x 2.3 x 2.3 deg
     ; false again beyond 1.3 times that
     (drawer-closed ?drawer - drawer ?drawer-unit - drawer-unit)
     ; drawer at x -33.4, y 0.0, z 0.0 cm in the drawer-unit's frame, give or take 4.3 x 1.2 x 1.2 cm
-    ; not turned, give or take 2.9 x 2.9 x 2.9 deg
+    ; not turned, give or take 2.8 x 2.8 x 2.8 deg
     ; false again beyond 1.3 times that
     (drawer-open ?drawer - drawer ?drawer-unit - drawer-unit)
     ; food at x -7.7, y 0.0, z -21.2 cm in the cabinet's frame, give or take 5.6 x 9.1 x 1.3 cm
     ; turned 1 deg about -z, give or take 6.8 x 6.8 x 33 deg
     ; false again beyond 1.3 times that
     (food-in-cabinet ?food - food ?cabinet - cabinet)
-    ; food at x -0.8, y 0.2, z 1.0 cm in the cookware's frame, give or take 5.3 x 4.0 x 1.1 cm
+    ; food at x -0.8, y 0.2, z 1.0 cm in the cookware's frame, give or take 5.3 x 4.0 x 1.2 cm
     ; turned 3 deg about -z, give or take 6.8 x 6.8 x 26 deg
     ; false again beyond 1.3 times that
     (food-in-cookware ?food - food ?cookware - cookware)
-    ; food at x 0.2, y 0.1, z 2.0 cm in the container's frame, give or take 3.2 x 3.4 x 1.1 cm
+    ; food at x 0.2, y 0.1, z 2.0 cm in the container's frame, give or take 3.3 x 3.4 x 1.2 cm
     ; turned 3 deg about -z, give or take 6.8 x 6.8 x 23 deg
     ; false again beyond 1.3 times that
     (food-on-container ?food - food ?container - container)
@@ -113,32 +113,32 @@
     ; false again beyond 1.3 times that
     (food-on-counter ?food - food ?counter - counter)
     ; knob at x -13.0, y 0.0, z 2.7 cm in the stove's frame, give or take 1.2 x 1.2 x 1.2 cm
-    ; turned 92 deg about z, give or take 2.9 x 2.9 x 18 deg
+    ; turned 92 deg about z, give or take 2.8 x 2.8 x 18 deg
     ; false again beyond 1.3 times that
     (knob-turned ?knob - knob ?stove - stove)
-    ; knob at x -13.0, y 0.0, z 2.7 cm in the stove's frame, give or take 1.0 x 1.0 x 1.0 cm
-    ; not turned, give or take 3.3 x 3.3 x 4.3 deg
+    ; knob at x -13.0, y 0.0, z 2.7 cm in the stove's frame, give or take 1.1 x 1.1 x 1.1 cm
+    ; not turned, give or take 3.2 x 3.2 x 4.3 deg
     ; false again beyond 1.3 times that
     (knob-unturned ?knob - knob ?stove - stove)
     ; lever at x 3.7, y 20.8, z 7.8 cm in the sink's frame, give or take 2.0 x 1.3 x 1.2 cm
-    ; turned 73 deg about -z, give or take 2.9 x 2.9 x 22 deg
+    ; turned 73 deg about -z, give or take 2.8 x 2.8 x 22 deg
     ; false again beyond 1.3 times that
     (lever-turned ?lever - lever ?sink - sink)
-    ; lever at x 0.5, y 16.5, z 7.8 cm in the sink's frame, give or take 1.0 x 1.0 x 1.0 cm
-    ; not turned, give or take 2.5 x 2.5 x 2.5 deg
+    ; lever at x 0.5, y 16.5, z 7.8 cm in the sink's frame, give or take 1.1 x 1.1 x 1.1 cm
+    ; not turned, give or take 2.3 x 2.3 x 2.4 deg
     ; false again beyond 1.3 times that
     (lever-unturned ?lever - lever ?sink - sink)
     ; the arm does one thing at a time
     (arm-free)
   )
 
-  ; reach, learned from 10 episodes in 10 demonstrations; took 3.8 s on average, 4.6 s at most
+  ; reach, learned from 10 episodes in 10 demonstrations; took 1.7 s on average, 2.1 s at most
   ; skill reach-door-ajar-to-close
   ; maintains (door-ajar ?door ?cabinet) (gripper-open)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action reach-door-ajar-to-close
     :parameters (?door - door ?cabinet - cabinet)
-    :duration (= ?duration 3.8)
+    :duration (= ?duration 1.7)
     :condition (and
       (at start (arm-free))
       (at start (door-ajar ?door ?cabinet))
@@ -150,13 +150,13 @@
       (at end (gripper-at-door-to-close ?door))
       (at end (not (door-ajar ?door ?cabinet)))))
 
-  ; reach, learned from 10 episodes in 10 demonstrations; took 5.3 s on average, 6.8 s at most
+  ; reach, learned from 10 episodes in 10 demonstrations; took 5.4 s on average, 6.7 s at most
   ; skill reach-door-ajar-to-open
   ; maintains (door-ajar ?door ?cabinet) (gripper-open)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action reach-door-ajar-to-open
     :parameters (?door - door ?cabinet - cabinet)
-    :duration (= ?duration 5.3)
+    :duration (= ?duration 5.4)
     :condition (and
       (at start (arm-free))
       (at start (door-ajar ?door ?cabinet))
@@ -240,13 +240,13 @@
       (at end (door-open ?door ?cabinet))
       (at end (not (gripper-at-door-to-open ?door)))))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 4.7 s on average, 6.0 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 4.6 s on average, 5.8 s at most
   ; skill move-door-ajar-from-closed
   ; maintains (gripper-holds-door-from-closed ?door)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action move-door-ajar-from-closed
     :parameters (?door - door ?cabinet - cabinet)
-    :duration (= ?duration 4.7)
+    :duration (= ?duration 4.6)
     :condition (and
       (at start (arm-free))
       (at start (gripper-holds-door-from-closed ?door)))
@@ -257,13 +257,13 @@
       (at end (gripper-open))
       (at end (not (gripper-holds-door-from-closed ?door)))))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.7 s on average, 4.6 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.6 s on average, 4.5 s at most
   ; skill move-door-ajar-from-open
   ; maintains (gripper-holds-door-from-open ?door)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food ?counter) (food-on-counter ?food-2 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action move-door-ajar-from-open
     :parameters (?door - door ?cabinet - cabinet)
-    :duration (= ?duration 3.7)
+    :duration (= ?duration 3.6)
     :condition (and
       (at start (arm-free))
       (at start (gripper-holds-door-from-open ?door)))
@@ -312,7 +312,7 @@
       (at end (gripper-holds-drawer-to-open ?drawer))
       (at end (not (drawer-closed ?drawer ?drawer-unit)))))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.0 s on average, 3.5 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 2.9 s on average, 3.4 s at most
   ; skill close-drawer
   ; maintains (gripper-holds-drawer-to-close ?drawer)
   ; dropped effect: deletes (gripper-holds-drawer-to-open ?drawer): one contact at a time
@@ -320,7 +320,7 @@
   ; dropped precondition (gripper-holds-drawer-to-open ?drawer): one contact at a time
   (:durative-action close-drawer
     :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
-    :duration (= ?duration 3)
+    :duration (= ?duration 2.9)
     :condition (and
       (at start (arm-free))
       (at start (gripper-holds-drawer-to-close ?drawer)))
@@ -331,7 +331,7 @@
       (at end (gripper-open))
       (at end (not (gripper-holds-drawer-to-close ?drawer)))))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.2 s on average, 3.9 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.1 s on average, 3.7 s at most
   ; skill open-drawer
   ; maintains (gripper-holds-drawer-to-open ?drawer)
   ; dropped effect: deletes (gripper-holds-drawer-to-close ?drawer): one contact at a time
@@ -339,7 +339,7 @@
   ; dropped precondition (gripper-holds-drawer-to-close ?drawer): one contact at a time
   (:durative-action open-drawer
     :parameters (?drawer - drawer ?drawer-unit - drawer-unit)
-    :duration (= ?duration 3.2)
+    :duration (= ?duration 3.1)
     :condition (and
       (at start (arm-free))
       (at start (gripper-holds-drawer-to-open ?drawer)))
@@ -350,13 +350,13 @@
       (at end (gripper-open))
       (at end (not (gripper-holds-drawer-to-open ?drawer)))))
 
-  ; pick, learned from 10 episodes in 10 demonstrations; took 6.8 s on average, 9.8 s at most
+  ; pick, learned from 10 episodes in 10 demonstrations; took 6.9 s on average, 9.8 s at most
   ; skill pick-food-from-cabinet
   ; maintains (door-open ?door ?cabinet) (food-in-cabinet ?food ?cabinet)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action pick-food-from-cabinet
     :parameters (?food - food ?cabinet - cabinet ?door - door)
-    :duration (= ?duration 6.8)
+    :duration (= ?duration 6.9)
     :condition (and
       (at start (arm-free))
       (at start (door-open ?door ?cabinet))
@@ -388,7 +388,7 @@
       (at end (gripper-holds-food ?food))
       (at end (not (food-in-cookware ?food ?cookware)))))
 
-  ; pick, learned from 10 episodes in 10 demonstrations; took 5.7 s on average, 6.9 s at most
+  ; pick, learned from 10 episodes in 10 demonstrations; took 5.7 s on average, 7.0 s at most
   ; skill pick-food-from-container
   ; maintains (food-on-container ?food ?container)
   ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
@@ -425,13 +425,13 @@
       (at end (gripper-holds-food ?food))
       (at end (not (food-on-counter ?food ?counter)))))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 7.5 s on average, 9.1 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 7.4 s on average, 9.0 s at most
   ; skill place-food-in-cabinet
   ; maintains (door-open ?door ?cabinet) (gripper-holds-food ?food)
   ; dropped precondition (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action place-food-in-cabinet
     :parameters (?food - food ?cabinet - cabinet ?door - door)
-    :duration (= ?duration 7.5)
+    :duration (= ?duration 7.4)
     :condition (and
       (at start (arm-free))
       (at start (door-open ?door ?cabinet))
@@ -444,13 +444,13 @@
       (at end (gripper-open))
       (at end (not (gripper-holds-food ?food)))))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 6.0 s on average, 7.5 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 5.9 s on average, 7.4 s at most
   ; skill place-food-in-cookware
   ; maintains (gripper-holds-food ?food)
   ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action place-food-in-cookware
     :parameters (?food - food ?cookware - cookware)
-    :duration (= ?duration 6)
+    :duration (= ?duration 5.9)
     :condition (and
       (at start (arm-free))
       (at start (gripper-holds-food ?food)))
@@ -461,13 +461,13 @@
       (at end (gripper-open))
       (at end (not (gripper-holds-food ?food)))))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 6.2 s on average, 7.9 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 6.1 s on average, 7.7 s at most
   ; skill place-food-on-container
   ; maintains (gripper-holds-food ?food)
   ; dropped precondition (door-closed ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   (:durative-action place-food-on-container
     :parameters (?food - food ?container - container)
-    :duration (= ?duration 6.2)
+    :duration (= ?duration 6.1)
     :condition (and
       (at start (arm-free))
       (at start (gripper-holds-food ?food)))
@@ -478,14 +478,14 @@
       (at end (gripper-open))
       (at end (not (gripper-holds-food ?food)))))
 
-  ; place, learned from 10 episodes in 10 demonstrations; took 7.6 s on average, 9.8 s at most
+  ; place, learned from 10 episodes in 10 demonstrations; took 7.5 s on average, 9.7 s at most
   ; skill place-food-on-counter
   ; maintains (gripper-holds-food ?food)
   ; dropped precondition (door-open ?door ?cabinet) (drawer-closed ?drawer ?drawer-unit) (knob-unturned ?knob ?stove) (lever-unturned ?lever ?sink): about nothing that the operator is about
   ; dropped precondition (food-on-counter ?food-2 ?counter) (food-on-counter ?food-3 ?counter): that another food lies there enables nothing
   (:durative-action place-food-on-counter
     :parameters (?food - food ?counter - counter)
-    :duration (= ?duration 7.6)
+    :duration (= ?duration 7.5)
     :condition (and
       (at start (arm-free))
       (at start (gripper-holds-food ?food)))
@@ -534,7 +534,7 @@
       (at end (gripper-holds-knob-to-turn-back ?knob))
       (at end (not (knob-turned ?knob ?stove)))))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.7 s on average, 4.3 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.6 s on average, 4.1 s at most
   ; skill turn-knob
   ; maintains (gripper-holds-knob-to-turn ?knob)
   ; dropped effect: deletes (gripper-holds-knob-to-turn-back ?knob): one contact at a time
@@ -542,7 +542,7 @@
   ; dropped precondition (gripper-holds-knob-to-turn-back ?knob): one contact at a time
   (:durative-action turn-knob
     :parameters (?knob - knob ?stove - stove)
-    :duration (= ?duration 3.7)
+    :duration (= ?duration 3.6)
     :condition (and
       (at start (arm-free))
       (at start (gripper-holds-knob-to-turn ?knob)))
@@ -553,7 +553,7 @@
       (at end (knob-turned ?knob ?stove))
       (at end (not (gripper-holds-knob-to-turn ?knob)))))
 
-  ; move, learned from 10 episodes in 10 demonstrations; took 3.3 s on average, 4.0 s at most
+  ; move, learned from 10 episodes in 10 demonstrations; took 3.2 s on average, 3.9 s at most
   ; skill turn-knob-back
   ; maintains (gripper-holds-knob-to-turn-back ?knob)
   ; dropped effect: deletes (gripper-holds-knob-to-turn ?knob): one contact at a time
@@ -561,7 +561,7 @@
   ; dropped precondition (gripper-holds-knob-to-turn ?knob): one contact at a time
   (:durative-action turn-knob-back
     :parameters (?knob - knob ?stove - stove)
-    :duration (= ?duration 3.3)
+    :duration (= ?duration 3.2)
     :condition (and
       (at start (arm-free))
       (at start (gripper-holds-knob-to-turn-back ?knob)))

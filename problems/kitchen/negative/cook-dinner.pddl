@@ -1,6 +1,6 @@
-; symskill e42fb8aad97c: checksum of the other lines, by which an edited file is not overwritten unasked
+; symskill a9b63b17c3e7: checksum of the other lines, by which an edited file is not overwritten unasked
 ; task CookDinner, seed 0
-; assumed (food-in-cookware can pan): can is in no known relation, this is the nearest (margin -0.03)
+; assumed (food-in-cookware can pan): can is in no known relation, this is the nearest (margin -0.02)
 (define (problem cookdinner-0)
   (:domain kitchen)
   (:objects

@@ -7,8 +7,7 @@ from synthetic import Recorder, facing, move_food, record, yaw_pose
 from symskill_pddl.demos import Demo
 from symskill_pddl.errors import LearningError
 from symskill_pddl.geometry import Pose
-from symskill_pddl.learning.motions import SegmentConfig, motions
-from symskill_pddl.learning.segments import segment, segment_all
+from symskill_pddl.learning.episodes import segment, segment_all
 
 
 def world(seed=0, **more):
@@ -94,7 +93,6 @@ def test_a_nudge_and_a_slipped_grasp_are_dropped():
 def test_what_falls_by_itself_is_no_episode():
     T_obj = line([0.5, 0.0, 0.3], [0.5, 0.0, 0.0], n=8)
     T_ee = Pose(np.tile([0.5, 0.0, 0.32], (len(T_obj), 1)), T_obj.q)
-    assert len(motions(demo_of(T_ee, T_obj), SegmentConfig())) == 1
     assert segment(demo_of(T_ee, T_obj)) == ()
 
 
@@ -145,7 +143,7 @@ def test_a_slow_end_in_the_hand_belongs_to_the_motion():
     r.back_off(0.2)
     r.rest(1.0)
     (episode,) = segment(r.demo("demo_0", "s", "t", extents=False))
-    assert end - 35 < episode.stop <= end + 5  # it counts until 2 degrees are left
+    assert end - 50 < episode.stop <= end + 5  # it counts until 3.6 degrees are left
     assert episode.stop > episode.start + 80
 
 
@@ -167,5 +165,6 @@ def test_a_hand_that_comes_back_to_the_same_thing_retreated_as_far_as_it_went():
     first, second = segment(r.demo("demo_0", "s", "t"))
     away = np.linalg.norm(first.demo.T_world_ee.p - first.demo.T_world_ee.p[first.stop], axis=-1)
     assert away[first.end] > 0.08
-    assert second.begin == first.end
+    assert first.end <= second.begin
+    assert away[second.begin] > 0.11  # the next approach begins where the hand is farthest away
     assert not first.demo.gripper_closed[second.begin]

@@ -9,8 +9,7 @@ from synthetic import Recorder, facing, yaw_pose
 from symskill_pddl.demos import import_robosuite
 from symskill_pddl.geometry import Pose
 from symskill_pddl.learning import LearnConfig, learn_reported
-from symskill_pddl.learning.endings import complete
-from symskill_pddl.learning.segments import segment
+from symskill_pddl.learning.episodes import segment
 from symskill_pddl.learning.skills import SkillConfig
 from symskill_pddl.symbols import Atom
 
@@ -32,7 +31,7 @@ def lifted():
 
 
 def only(r):
-    (episode,) = complete(segment(r.demo("demo_0", "s", "Lift")))
+    (episode,) = segment(r.demo("demo_0", "s", "Lift"))
     return episode
 
 
