@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from symskill_pddl.library import Library
 
 UNIFIED = "unified-planning:"
+_REMARKS = 5
+"""How many lines about what is odd in a text are enough."""
 
 NameOption = Annotated[str, typer.Option("--name", help="The domain's name.")]
 
@@ -138,6 +140,8 @@ def plan(
     if all_engines and (planner is not None or k != 1):
         raise InputError("--all-engines asks every planner for one plan; it goes with neither --planner nor --k")
     task = work.read_task_files(domain, problem)
+    for line in task.remarks[:_REMARKS]:
+        remark(line)
     limits = Limits(time_s=timeout)
     file = options.output(output, PLAN, force=force, inputs=[domain, problem]) if output is not None else None
     if all_engines:

@@ -66,8 +66,13 @@ def _tokens(text: str, source: str) -> Iterator[Word]:
             yield Word(token, number, column)
 
 
-def read_groups(text: str, source: str = "<text>") -> tuple[Node, ...]:
+def read_groups(text: str, source: str = "<text>", unclosed: list[Word] | None = None) -> tuple[Node, ...]:
     """All top-level words and groups of a text, in order.
+
+    Parameters
+    ----------
+    unclosed : list of Word, optional
+        Takes the parenthesis of a group that the text does not close, if it is an outermost one: it is read as if the text did.
 
     Raises
     ------
@@ -90,6 +95,11 @@ def read_groups(text: str, source: str = "<text>") -> tuple[Node, ...]:
         else:
             stack[-1][1].append(token)
     opening, items = stack[-1]
+    if opening is not None and len(stack) == 2 and unclosed is not None:
+        unclosed.append(opening)
+        stack.pop()
+        stack[-1][1].append(Group(tuple(items), opening.line, opening.column))
+        opening, items = stack[-1]
     if opening is not None:
         raise ParseError("this '(' is never closed", source=source, line=opening.line, column=opening.column)
     return tuple(items)

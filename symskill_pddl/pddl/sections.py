@@ -21,6 +21,7 @@ from symskill_pddl.pddl.syntax import (
     Metric,
     Not,
     Problem,
+    Remark,
     Rule,
     Set,
     Value,
@@ -113,7 +114,7 @@ class FileReader(ConditionReader):
     def _requirement(self, item: Node) -> str:
         word = self.word(item, "a requirement")
         if word not in REQUIREMENTS:
-            self.remark(item, f"the requirement '{item}' is not known; known are: {alternatives(REQUIREMENTS)}")
+            self.remark(item, f"the requirement '{item}' is not known; known are: {alternatives(REQUIREMENTS)}", harmless=True)
         return word
 
     def _types(self, sections: Sequence[Group]) -> dict[str, Kinds]:
@@ -325,7 +326,10 @@ class FileReader(ConditionReader):
         return None
 
     def _define(self, text: str, what: str) -> tuple[str, tuple[Group, ...]]:
-        nodes = read_groups(text, self.source)
+        unclosed: list[Word] = []
+        nodes = read_groups(text, self.source, unclosed)
+        for opening in unclosed:
+            self.remarks.append(Remark("this '(' is never closed", (opening.line, opening.column), broken=True))
         expected = f"(define ({what} NAME) ...)"
         if not nodes:
             raise ParseError(f"the text is empty, expected {expected}", source=self.source, line=1, column=1)

@@ -164,6 +164,8 @@ class Remark:
     at: Place = field(default=(1, 1), compare=False, repr=False)
     harmless: bool = False
     """Whether it can mean one thing only; the rest is refused where the text is to become our own model."""
+    broken: bool = False
+    """Whether the text is not whole: it is read, for what can be said of it, and nothing is planned with it."""
 
 
 Expression = Number | Value | Arithmetic

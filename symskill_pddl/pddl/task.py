@@ -61,6 +61,12 @@ class Task:
         sections = [(self.sources[0], b) for b in self.domain.beyond] + [(self.sources[1], b) for b in self.problem.beyond]
         return tuple((b.what, source, b.at) for source, b in (*sections, *parts))
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Lines about what is not quite as it should be, each with its place."""
+        both = zip(self.sources, (self.domain.remarks, self.problem.remarks), strict=True)
+        return tuple(f"{source}:{r.at[0]}:{r.at[1]}: {r.what}" for source, remarks in both for r in remarks)
+
     def uses(self, *phrases: str) -> bool:
         return any(what in phrases for what, _, _ in self.features)
 

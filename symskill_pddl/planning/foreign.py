@@ -26,13 +26,13 @@ from symskill_pddl.planning.kairos import Kairos
 from symskill_pddl.planning.lpg import LPG
 from symskill_pddl.planning.mimir import Mimir
 from symskill_pddl.planning.protocol import Limits, Planner, PlanResult, Status
-from symskill_pddl.planning.text import Answer, Reader
+from symskill_pddl.planning.text import Answer, Reader, bare
 from symskill_pddl.symbols import Domain, Plan, Problem
 
 _NOTHING = Problem("", "", (), frozenset(), frozenset())
 _GAP_S = 0.001
 """Between actions that come one after another [s]."""
-_FIRST = 0.5
+_SHARES, _SHARE = {"kairos": 0.3, "fast-downward": 0.75}, 0.5
 """Part of the time that is left which `auto` gives an engine before it asks the next."""
 
 
@@ -58,9 +58,12 @@ def solve(planner: Planner, task: Task, limits: Limits = Limits(), *, any_plan: 
     Raises
     ------
     InputError
-        The task has a metric that this planner would ignore or take the wrong way round.
+        The task has a metric that this planner would ignore or take the wrong way round, or a text is not whole.
     """
     start = time.monotonic()
+    for source, remarks in zip(task.sources, (task.domain.remarks, task.problem.remarks), strict=True):
+        for remark in (r for r in remarks if r.broken):
+            raise ParseError(remark.what, source=source, line=remark.at[0], column=remark.at[1])
     metric = task.problem.metric
     if metric is not None and not metric.minimize and not any_plan and not isinstance(planner, Command):
         line, column = metric.at
@@ -85,7 +88,7 @@ def _auto(planner: Auto, task: Task, limits: Limits, start: float) -> PlanResult
         if left <= 0.0:
             break
         last = i == len(engines)
-        share = left if last else left * _FIRST
+        share = left if last else left * _SHARES.get(engine.name, _SHARE)
         now = _one(engine, task, replace(limits, time_s=share), time.monotonic())
         if now.status in (Status.SOLVED, Status.UNSOLVABLE):
             found = now
@@ -102,7 +105,7 @@ def _auto(planner: Auto, task: Task, limits: Limits, start: float) -> PlanResult
 
 def readers(task: Task) -> tuple[Reader, ...]:
     """The installed engines that may read the task's text, the quickest first."""
-    order: tuple[type[Reader], ...] = (Kairos, FastDownward, Mimir, LPG)
+    order: tuple[type[Reader], ...] = (Kairos, FastDownward, LPG, Mimir)
     if task.uses("durative actions", "numeric conditions", "numeric effects", "facts that come true at a time"):
         order = (Kairos, LPG)
     elif task.uses("conditional effects", "derived predicates", "universal effects"):
@@ -112,8 +115,8 @@ def readers(task: Task) -> tuple[Reader, ...]:
 
 def _one(planner: Planner, task: Task, limits: Limits, start: float) -> PlanResult:
     texts = task.domain_text, task.problem_text
-    if isinstance(planner, Mimir):  # it tells cases apart, which PDDL does not
-        texts = texts[0].lower(), texts[1].lower()
+    if isinstance(planner, Mimir):  # it tells cases apart and stumbles over comments, neither of which means anything in PDDL
+        texts = bare(texts[0]).lower(), bare(texts[1]).lower()
     if isinstance(planner, Reader) and not (task.domain.timed and isinstance(planner, (FastDownward, Mimir))):
         try:
             answer = planner.load(Verbatim(*texts))(_NOTHING, limits)  # type: ignore[arg-type]
@@ -155,7 +158,7 @@ def one_by_one(domain: Domain, plan: Plan) -> Plan:
 
 def _believed(name: str, task: Task, limits: Limits, answer: Answer, start: float) -> PlanResult:
     if answer.status is Status.TIMEOUT:
-        said = (f"the time limit of {limits.time_s:g} s passed", *answer.messages)
+        said = (f"the time limit of {limits.time_s:.3g} s passed", *answer.messages)
         return PlanResult(Status.TIMEOUT, None, time.monotonic() - start, said, name)
     if answer.status is not Status.SOLVED:
         return PlanResult(answer.status, None, time.monotonic() - start, answer.messages, name)

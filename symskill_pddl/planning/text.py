@@ -46,10 +46,10 @@ class Text:
 
     @cached_property
     def domain(self) -> str:
-        return _bare(write_domain(self.exported, dialect=self.dialect))
+        return bare(write_domain(self.exported, dialect=self.dialect))
 
     def problem(self, problem: Problem) -> str:
-        return _bare(write_problem(self.names.problem(problem), self.exported, dialect=self.dialect))
+        return bare(write_problem(self.names.problem(problem), self.exported, dialect=self.dialect))
 
     def plan(self, answer: str | Plan, source: str) -> Plan:
         """A plan in the text's names, in ours; raises `ParseError` where it is a text and not a plan."""
@@ -231,5 +231,6 @@ class Reader(Engine):
             )
 
 
-def _bare(text: str) -> str:
+def bare(text: str) -> str:
+    """Without comments."""
     return re.sub(r";[^\n]*", "", text)

@@ -99,7 +99,6 @@ MISTAKES = {
     "a disjunction": at(r":(?:pre)?condition \(and", lambda w: w.replace("(and", "(or")),
     "a word where a group belongs": at(r":parameters (?=\()", ":parameters none "),
     "no word where one belongs": at(rf"\(:(?:durative-)?action ({WORD})", "()", 1),
-    "a requirement that we do not know": at(r":strips", ":strips :telepathy"),
     "something after the end": lambda text, rng: (text + rng.choice(["(define)", "end", "(", ")"]), None),
 }
 PROBLEM_MISTAKES = {

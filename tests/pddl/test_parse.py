@@ -104,6 +104,12 @@ def test_some_domains_of_others_lie_in_the_fragment():
     assert fine >= 1 or not of_others()
 
 
+def test_what_is_asked_for_and_not_used_does_no_harm():
+    asked = "(:requirements :strips :telepathy :fluents) (:functions (fuel) - number) (:constants)"
+    text = f"(define (domain d) {asked} (:predicates (q)))"
+    assert read_domain(text) == Domain("d", (), (Predicate("q"),), ())
+
+
 D = "(define (domain d) (:types pan) (:predicates (p ?x - pan) (q)) "
 A = D + "(:action a :parameters (?x - pan) "
 T = D + "(:durative-action a :parameters () :duration (= ?duration 1) "
@@ -120,7 +126,6 @@ DOMAIN_ERRORS = {
     "unknown-section": "(define (domain d) (:things a))",
     "constants": D + "(:constants wok - pan) (:action a :parameters (?x - pan) :effect (p wok)))",
     "derived": D + "(:derived (q) (exists (?x - pan) (p ?x))))",
-    "requirement": "(define (domain d) (:requirements :strips :telepathy))",
     "type-below-itself": "(define (domain d)\n (:types a - b b - a))",
     "constraints": D + "(:constraints (always (q))))",
     "second-section": "(define (domain d) (:types a) (:types b))",
