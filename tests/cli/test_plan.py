@@ -84,3 +84,22 @@ def test_missing_files_unknown_planners_and_silly_limits(symskill: Callable[...,
     assert "above zero" in symskill("plan", *toys, "--timeout", "0").error
     (tmp_path / "binary.pddl").write_bytes(b"\xff\xfe\x00")
     assert "not UTF-8" in symskill("plan", tmp_path / "binary.pddl", problem).error
+
+
+def test_every_engine_in_a_table(symskill: Callable[..., Any], toys: Files, tmp_path: Path) -> None:
+    done = symskill("plan", *toys, "--all-engines", "-o", tmp_path / "plan.txt", "--json")
+    document = json.loads(done.out)
+    assert (document["format"], document["version"]) == ("symskill-plan", 1)
+    by = {answer["planner"]: answer for answer in document["engines"]}
+    assert by["builtin"]["steps"] == [["take", "ball", "red"], ["put", "ball", "blue"]]
+    assert (tmp_path / "plan.txt").read_text().startswith(PLAN)
+    assert "builtin" in symskill("plan", *toys, "--all-engines").out
+    assert "neither --planner nor --k" in symskill("plan", *toys, "--all-engines", "--k", "2").error
+
+
+def test_several_plans(symskill: Callable[..., Any], toys: Files) -> None:
+    done = symskill("plan", *toys, "--k", "3", "--planner", "builtin", "--json")
+    plans = [answer["steps"] for answer in json.loads(done.out)["plans"]]
+    assert plans[0] == [["take", "ball", "red"], ["put", "ball", "blue"]]
+    assert len({json.dumps(plan) for plan in plans}) == len(plans)
+    assert symskill("plan", *toys, "--k", "0").status == 2
