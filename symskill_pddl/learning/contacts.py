@@ -9,10 +9,14 @@ from dataclasses import replace
 import numpy as np
 
 from symskill_pddl.geometry import Array, Pose, karcher_mean, rotation_distance
+from symskill_pddl.learning.parts import continues
 from symskill_pddl.learning.relations import Contact, Label, PredicateConfig
 from symskill_pddl.learning.report import SHOW_AGAIN, LeftOut
 from symskill_pddl.learning.segments import Episode, Rest, RestKey
 from symskill_pddl.learning.shapes import clusters, fit_shape, narrowed
+
+At = tuple[int | None, str | None]
+"""A place, if any, and the object that it is at."""
 
 
 def labelled(
@@ -25,10 +29,11 @@ def labelled(
 ) -> tuple[tuple[Label, ...], tuple[Contact, ...]]:
     """Episodes that lead somewhere, with their contacts clustered per type (for joints: per start, end and finger command)."""
 
-    def at(r: Rest | None) -> tuple[int | None, str | None]:
+    def at(r: Rest | None) -> At:
         return of_rest.get(r.key, (None, None)) if r is not None else (None, None)
 
     groups: dict[tuple[object, ...], list[tuple[Episode, int | None, str | None, int | None, str | None]]] = defaultdict(list)
+    keys: dict[tuple[str, str], tuple[object, ...]] = {}  # of the group that last had hold of an object
     undone: Episode | None = None  # the episode before, if it led nowhere: the approach to the next one begins where it stopped
     for found in episodes:
         e = found
@@ -39,12 +44,16 @@ def labelled(
         (start, start_ref), (end, end_ref) = at(e.before), at(e.after)
         if end is None and end_ref is not None:
             left_out.append(LeftOut.of(e, "it ends where no other demonstration leaves one", SHOW_AGAIN))
-        elif start is not None and (start, start_ref) == (end, end_ref) and (jointed[e.type] or not _carried(e)):
+        elif _undone(e, (start, start_ref), (end, end_ref), jointed):
             undone = e
             left_out.append(LeftOut.of(e, "it leads back to where it began (a retry or a nudge)"))
         else:
             way = (start if start is not None else -1, end if end is not None else -1) if jointed[e.type] else ()
-            groups[(e.type, _closed(e), *way)].append((e, start, start_ref, end, end_ref))
+            key = (e.type, _closed(e), *way)
+            if continues(e):
+                key = keys.get((e.demo.where, e.obj), key)
+            keys[e.demo.where, e.obj] = key
+            groups[key].append((e, start, start_ref, end, end_ref))
     contacts: list[Contact] = []
     kept: list[Label] = []
     for key in sorted(groups, key=str):
@@ -60,6 +69,11 @@ def labelled(
     contacts = [_apart(k, contacts, kept) for k in range(len(contacts))]
     order = {e.demo.where: i for i, e in reversed(list(enumerate(episodes)))}
     return tuple(sorted(kept, key=lambda label: (order[label.episode.demo.where], label.episode.start))), tuple(contacts)
+
+
+def _undone(e: Episode, start: At, end: At, jointed: Mapping[str, bool]) -> bool:
+    """Whether the object rests as it did before."""
+    return start[0] is not None and start == end and not continues(e) and (jointed[e.type] or not _carried(e))
 
 
 def _carried(e: Episode) -> bool:

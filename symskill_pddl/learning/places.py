@@ -66,7 +66,7 @@ def cluster_pair(
         return
     rests, moved = _Rests.of(ordered, joint, config), np.arange(n)
     gap, floor = _gap(joint, config)
-    if ordered[0].rest.held:  # lifted, more or less high
+    if joint is None and ordered[0].rest.held:  # lifted, more or less high
         labels = np.zeros(n, dtype=np.intp)
     else:
         labels = clusters(rests.distances(moved, moved), gap, config.ratio, floor, apart)
@@ -136,4 +136,4 @@ def _place_of(members: Sequence[Placement], joint: Joint | None, config: Predica
         coordinate = float(joint.coordinate(shape.T_mean))
     demos = frozenset(p.demo.where for p in moved)
     margin = min(p.margin for p in moved)
-    return Place(members[0].types, shape, joint, coordinate, demos, margin, moved[0].rest.held)
+    return Place(members[0].types, shape, joint, coordinate, demos, margin, joint is None and moved[0].rest.held)

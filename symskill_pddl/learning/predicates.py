@@ -17,6 +17,7 @@ from symskill_pddl.errors import LearningError
 from symskill_pddl.geometry import Pose
 from symskill_pddl.learning.articulation import Joint, agreed_joint, fit_joint
 from symskill_pddl.learning.contacts import labelled
+from symskill_pddl.learning.parts import continues
 from symskill_pddl.learning.places import cluster_pair
 from symskill_pddl.learning.references import Extents, Placement, place
 from symskill_pddl.learning.relations import Place, PredicateConfig, Relations
@@ -47,8 +48,8 @@ def learn_relations(
         own = [e for e in episodes if type_ in (e.type, e.moved_type)]
         found, joints = _placements(demos, own, type_, extents, config, answers)
         jointed[type_] = bool(joints)
-        for pair, held in sorted({(p.types, p.rest.held) for p in found}):
-            rests = [p for p in found if (p.types, p.rest.held) == (pair, held)]
+        for pair, held in sorted({(p.types, p.rest.held and p.types not in joints) for p in found}):
+            rests = [p for p in found if (p.types, p.rest.held and p.types not in joints) == (pair, held)]
             apart = _ends(rests, own, type_) if pair in joints else []
             cluster_pair(rests, joints.get(pair), apart, odd, places, of_rest, left_out, config)
     kept, contacts = labelled(episodes, of_rest, jointed, odd, left_out, config)
@@ -86,7 +87,7 @@ def _placements(
     config: PredicateConfig,
     answers: Mapping[RestKey, str] | None,
 ) -> tuple[tuple[Placement, ...], dict[tuple[str, str], Joint]]:
-    rests = [(e.demo, r) for e in episodes for r in e.rests(type_) if not r.held]
+    rests = [(e.demo, r) for e in episodes for r in e.rests(type_)]
     moved = {(e.demo.where, o) for e in episodes for o in (e.obj, *e.passengers)}
     for demo in demos:
         still = int(np.searchsorted(demo.times, demo.times[0] + 2.0))
@@ -95,7 +96,7 @@ def _placements(
             for o, t in demo.objects.items()
             if t == type_ and (demo.where, o) not in moved
         ]
-    alone = [fit_joint([way], config.articulation) is not None for e in episodes if (way := e.way(type_)) is not None]
+    alone = [fit_joint([way], config.articulation) is not None for e in episodes if (way := _own_way(e, type_)) is not None]
     hint = config.joints.get(type_)
     followed = [e.follows for e in episodes if e.follows is not None and type_ == e.type and e.body is None]
     free = bool(followed) and float(np.median(followed)) > 0.5
@@ -108,8 +109,13 @@ def _placements(
             raise LearningError(f"hint joints.{type_}: {hint}, but the recordings say that {told}")
         if joints:
             return found, joints
-    found = place(rests, False, extents, config.references, answers)
+    found = place([(d, r) for d, r in rests if not r.held], False, extents, config.references, answers)
     return (*found, *_lifted(episodes, found, type_)), {}
+
+
+def _own_way(e: Episode, type_: str) -> Pose | None:
+    """How what is of this type moved by itself; a latch that a door is pulled by only held still."""
+    return None if continues(e) and e.body is not None and type_ == e.type else e.way(type_)
 
 
 def _lifted(episodes: Sequence[Episode], found: Sequence[Placement], type_: str) -> Iterator[Placement]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,8 +17,8 @@ RestKey = tuple[str, str, int, int]
 class Rest:
     """Where an object rested: its pose over samples [start, stop), next to a motion, or (`static`) all through a demonstration.
 
-    `where` is the demonstration's identifier; `parts` hang on the object: it does not rest at them. `held`: it is in the hand
-    when the recording ends; then the pose says where it has been lifted to.
+    `where` is the demonstration's identifier; `parts` hang on the object: it does not rest at them. `held`: it is in the hand,
+    when the recording ends or when what it is a part of begins to move with it.
     """
 
     where: str
@@ -128,11 +128,3 @@ def rest(demo: Demo, obj: str, start: int, stop: int, *, static: bool = False) -
     seen = np.flatnonzero(demo.sees(obj)[start:stop]) + start
     T = demo.pose(obj)[seen if len(seen) else slice(start, stop)]
     return Rest(demo.where, obj, start, stop, Pose(np.median(T.p, axis=0), karcher_mean(T.q)), static)
-
-
-def lifted(e: Episode) -> Episode:
-    """An episode that ends in the hand, with the pose it ends at in place of a rest."""
-    if e.before is None or e.after is not None or not (e.held and e.demo.gripper_closed[-1]):
-        return e
-    last = len(e.demo)
-    return replace(e, after=replace(rest(e.demo, e.moved, max(last - 3, e.start), last), held=True))

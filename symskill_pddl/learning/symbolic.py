@@ -15,11 +15,12 @@ from symskill_pddl.learning.episodes import segment_all
 from symskill_pddl.learning.goals import learn_goals
 from symskill_pddl.learning.naming import closed_places, contact_names, place_names
 from symskill_pddl.learning.operators import OperatorGroup, Vocabulary, learn_operators
+from symskill_pddl.learning.parts import stepwise
 from symskill_pddl.learning.predicates import learn_relations, precedences
 from symskill_pddl.learning.relations import Relations
 from symskill_pddl.learning.report import LeftOut
 from symskill_pddl.learning.scale import aperture_of
-from symskill_pddl.learning.segments import Episode, RestKey, lifted
+from symskill_pddl.learning.segments import Episode, RestKey
 from symskill_pddl.learning.transitions import Truth, gripper_rule, never_shared, transitions
 from symskill_pddl.library import Goal
 from symskill_pddl.scene import GRIPPER
@@ -82,7 +83,7 @@ def learn_symbols(
     extents = merged_extents(demos)
     scaled = config.relations.scaled(aperture_of(demos), config.hints)
     progress("segments")
-    episodes = tuple(map(lifted, segment_all(demos, config.states)))
+    episodes = stepwise(segment_all(demos, config.states))
     answers = None
     if selector is not None:
         progress("references")

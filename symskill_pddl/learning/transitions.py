@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from symskill_pddl.abstraction import GripperRule
 from symskill_pddl.demos import Demo
+from symskill_pddl.learning.parts import continues
 from symskill_pddl.learning.relations import Label, Relations
 from symskill_pddl.learning.report import LeftOut
 from symskill_pddl.symbols import GRIPPER_OPEN, Atom, State
@@ -104,11 +105,11 @@ def transitions(
     for label in relations.labels:
         e = label.episode
         seen = _Seen(label, truths[e.demo.where], relations, places, contacts)
-        lift = e.start if e.before is None else seen.lift()
+        lift = e.start if e.before is None or continues(e) else seen.lift()
         if lift is None:
             left_out.append(LeftOut.of(e, f"{seen.holds} without {seen.start or 'its start'} never shows during the motion"))
             continue
-        if e.before is not None and e.begin < e.start:
+        if e.before is not None and not continues(e):
             pick = seen.pick(max(e.begin, free_since.get(e.demo.where, 0)), lift)
             if seen.start is None or seen.start in pick.before:
                 found.append(pick)
@@ -174,12 +175,13 @@ class _Seen:
 
     def place(self, lift: int) -> Transition:
         """Up to where the hand has left; what is not put down ends with the recording."""
-        e, last = self.label.episode, len(self.label.episode.demo) - 1
+        e = self.label.episode
+        held = e.after is not None and e.after.held
+        last = (e.after.stop if e.after is not None and held else len(e.demo)) - 1
         leaves, until = ~self.along(self.holds), _fingers_until(self.label, self.relations.labels)
         released = leaves & self.along(Atom(GRIPPER_OPEN))
         if self.closes and released[e.stop : until].any():
             leaves = released
-        held = e.after is not None and e.after.held
         exit_ = None if held else _first(leaves, e.stop, last + 1)
         args = tuple(filter(None, (e.moved, self.label.end_ref, e.obj if e.body is not None else None)))
         if exit_ is None:  # what it has brought about shows; how the hand leaves does not

@@ -134,13 +134,16 @@ def test_a_stack_recorded_by_a_person_is_a_pick_and_a_place(stack):
     assert not skill.close_gripper_at_end
 
 
-def test_a_door_recorded_by_a_person_is_reached_by_its_latch_and_opened(door):
-    opened, reach = (o.operator for o in door.operators)
-    assert (opened.name, reach.name) == ("move-door-at-22deg", "reach-latch-unturned")
-    assert reach.add >= {Atom("gripper-at-latch", ("?latch",))}
-    assert opened.add == {Atom("door-at-22deg", ("?door", "?frame"))}
-    assert opened.delete == {Atom("door-at-0deg", ("?door", "?frame"))}
-    assert Atom("gripper-at-latch", ("?latch",)) in opened.pre
+def test_a_door_recorded_by_a_person_opens_once_its_latch_is_turned(door):
+    opened, reach, turn = (door.learned(n).operator for n in ("move-door-at-22deg", "reach-latch-unturned", "turn-latch"))
+    hand, turned = Atom("gripper-at-latch", ("?latch",)), Atom("latch-turned", ("?latch", "?door"))
+    assert reach.add == {hand}
+    assert (turn.add, hand in turn.pre) == ({turned}, True)
+    assert opened.pre >= {hand, turned}
+    assert (opened.add, opened.delete) == (
+        {Atom("door-at-22deg", ("?door", "?frame"))},
+        {Atom("door-at-0deg", ("?door", "?frame"))},
+    )
     assert any("no retreat" in note for note in door.learned("move-door-at-22deg").notes)
     (goal,) = door.goals
-    assert goal.atoms == {Atom("door-at-22deg", ("?door", "?frame"))}
+    assert goal.atoms == {Atom("door-at-22deg", ("?door", "?frame")), turned}
