@@ -19,8 +19,8 @@ MOVED = 0.06
 
 
 def stepwise(episodes: Iterable[Episode]) -> tuple[Episode, ...]:
-    """The episodes, those that move a body by a part of it in two steps, and those that end in the hand with where they do."""
-    return tuple(step for e in episodes for step in map(_lifted, _steps(e)))
+    """The episodes, those that move a body by a part of it in two steps, and those that end early with where they do."""
+    return tuple(step for e in episodes for step in map(_ended, _steps(e)))
 
 
 def continues(e: Episode) -> bool:
@@ -45,8 +45,11 @@ def _steps(e: Episode) -> Iterator[Episode]:
     yield replace(e, begin=middle, start=middle, before=turned)
 
 
-def _lifted(e: Episode) -> Episode:
-    if e.before is None or e.after is not None or not (e.held and e.demo.gripper_closed[-1]):
+def _ended(e: Episode) -> Episode:
+    """With where the recording leaves the object: in the hand, or where the fingers have let go of it and it hardly moves."""
+    if e.before is None or e.after is not None or not e.held:
         return e
-    last = len(e.demo)
-    return replace(e, after=replace(rest(e.demo, e.moved, max(last - 3, e.start), last), held=True))
+    last, closed = len(e.demo), bool(e.demo.gripper_closed[-1])
+    at = rest(e.demo, e.moved, max(last - 3, e.start), last)
+    moves = float(np.ptp(e.demo.pose(e.moved).p[at.start : last], axis=0).max()) > MOVED * e.demo.aperture.max()
+    return e if moves and not closed else replace(e, after=replace(at, held=closed))

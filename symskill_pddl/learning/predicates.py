@@ -20,9 +20,10 @@ from symskill_pddl.learning.contacts import labelled
 from symskill_pddl.learning.parts import continues
 from symskill_pddl.learning.places import cluster_pair
 from symskill_pddl.learning.references import Extents, Placement, place
-from symskill_pddl.learning.relations import Place, PredicateConfig, Relations
+from symskill_pddl.learning.relations import Label, Place, PredicateConfig, Relations
 from symskill_pddl.learning.report import LeftOut
 from symskill_pddl.learning.segments import Episode, RestKey, rest
+from symskill_pddl.learning.shapes import narrowed
 from symskill_pddl.symbols import Predicate
 
 
@@ -53,7 +54,23 @@ def learn_relations(
             apart = _ends(rests, own, type_) if pair in joints else []
             cluster_pair(rests, joints.get(pair), apart, odd, places, of_rest, left_out, config)
     kept, contacts = labelled(episodes, of_rest, jointed, odd, left_out, config)
-    return Relations(tuple(places), contacts, kept, tuple(left_out), {rest: ref for rest, (_, ref) in of_rest.items()})
+    tight = tuple(_left_behind(i, place, kept) for i, place in enumerate(places))
+    return Relations(tight, contacts, kept, tuple(left_out), {rest: ref for rest, (_, ref) in of_rest.items()})
+
+
+def _left_behind(index: int, place: Place, labels: Sequence[Label]) -> Place:
+    """A place of what moves freely, narrowed so that an object that was lifted from there by a little is not there any more."""
+    if place.joint is not None:
+        return place
+    shape = place.shape
+    for label in labels:
+        if label.start == index and label.start_ref is not None:
+            e = label.episode
+            T = e.demo.pose(label.start_ref)[e.start : e.stop].inverse() @ e.demo.pose(e.obj)[e.start : e.stop]
+            test = shape.classifier(Predicate("place", place.types), *place.types)
+            farthest = int(np.argmin(test.margin(T)))
+            shape = narrowed(shape, T[farthest], share=0.5, least=0.0)
+    return replace(place, shape=shape)
 
 
 def precedences(relations: Relations) -> tuple[float, ...]:

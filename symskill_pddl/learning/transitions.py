@@ -170,6 +170,8 @@ class _Seen:
         return _first(ready, e.start, e.stop)
 
     def pick(self, begin: int, lift: int) -> Transition:
+        """From when the hand sets out, or the object has come to rest: in the first moments of a recording things may fall."""
+        begin = begin if self.start is None else _first(self.along(self.start), begin, self.label.episode.start) or begin
         args = tuple(filter(None, (self.label.episode.obj, self.label.start_ref)))
         return self._transition(False, begin, lift, args)
 
