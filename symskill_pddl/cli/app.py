@@ -7,7 +7,7 @@ import sys
 
 import typer
 
-from symskill_pddl.cli import demos, evaluate, execute, pddl, quickstart, recordings, replay
+from symskill_pddl.cli import demos, evaluate, execute, inspect, pddl, quickstart, recordings, replay
 from symskill_pddl.cli.console import say
 from symskill_pddl.cli.net import caught
 
@@ -22,6 +22,7 @@ app = typer.Typer(
 app.command()(quickstart.quickstart)
 app.command()(demos.record)
 app.command("import")(recordings.import_recording)
+app.command()(inspect.inspect)
 app.command()(demos.learn)
 app.command()(demos.show)
 app.command()(pddl.export)

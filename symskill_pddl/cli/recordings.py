@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -59,8 +60,8 @@ def import_recording(
     remark(f"{output}: {len(demos)} demonstrations of {tasks}, {seconds:.0f} s; objects: {objects}")
 
 
-def read_recordings(path: Path, config: ImportConfig) -> tuple[Demo, ...]:
-    """Demonstrations from a recording in any of the formats; what is left out is remarked."""
+def read_recordings(path: Path, config: ImportConfig, said: Callable[[str], object] = remark) -> tuple[Demo, ...]:
+    """Demonstrations from a recording in any of the formats; what is left out, and what was decided, is said."""
     from symskill_pddl.demos import import_robosuite
     from symskill_pddl.demos.isaac_lab import import_isaac_lab, is_isaac_lab
     from symskill_pddl.robocasa.recordings import import_robocasa, is_robocasa
@@ -68,7 +69,7 @@ def read_recordings(path: Path, config: ImportConfig) -> tuple[Demo, ...]:
     if is_robocasa(path):
         if config.types:
             raise InputError("--type is for recordings of robosuite; the objects of RoboCasa's kitchens have their types")
-        return import_robocasa(path, config, remark=remark)
+        return import_robocasa(path, config, remark=said)
     if is_isaac_lab(path):
-        return import_isaac_lab(path, config, remark=remark)
-    return import_robosuite(path, config, remark=remark)
+        return import_isaac_lab(path, config, remark=said)
+    return import_robosuite(path, config, remark=said)

@@ -51,11 +51,16 @@ class Told:
 
 def agreement(told: Sequence[Told], convention: Convention) -> float | None:
     """From -1 to 1, how far the fingers do what they are told; None if they hardly move."""
-    slack = _PLAY * max(float(np.ptp(one.demo.aperture)) for one in told)
+    return following([(one.demo.aperture, convention.closed(one.actions)) for one in told])
+
+
+def following(recorded: Sequence[tuple[Array, BoolArray]]) -> float | None:
+    """From -1 to 1, how far openings (n,) [m] follow the commands (n,) to close; None if they hardly move."""
+    slack = _PLAY * max(float(np.ptp(aperture)) for aperture, _ in recorded)
     right, travel = 0.0, 0.0
-    for one in told:
-        step = np.diff(_played(one.demo.aperture, slack))
-        right += float(np.where(convention.closed(one.actions)[1:], -step, step).sum())
+    for aperture, closed in recorded:
+        step = np.diff(_played(aperture, slack))
+        right += float(np.where(closed[1:], -step, step).sum())
         travel += float(np.abs(step).sum())
     return right / travel if travel > _STILL_M else None
 

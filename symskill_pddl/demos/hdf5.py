@@ -109,6 +109,16 @@ def load_demos(path: str | Path) -> tuple[Demo, ...]:
     return _Reader(Path(path)).demos()
 
 
+def is_ours(path: str | Path) -> bool:
+    """Whether a file calls itself one of demonstrations."""
+    try:
+        with opened(path) as file:
+            data = file.get("data")
+            return isinstance(data, Group) and data.attrs.get("format") == FORMAT
+    except InputError:
+        return False
+
+
 def decode_demos(content: bytes, source: str) -> tuple[Demo, ...]:
     """What `encode_demos` made; faults are named after `source`.
 

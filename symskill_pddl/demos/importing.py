@@ -127,7 +127,7 @@ def no_hdf5(path: Path) -> FormatError | None:
     if head.startswith(b"\x89HDF\r\n\x1a\n"):
         return None
     kind = next((kind for magic, kind in _KINDS if head.startswith(magic)), "")
-    if not kind and len(head) > 8 and not re.search("[\x00-\x08\x0e-\x1f\ufffd]", head[:500].decode("utf-8", "replace")[:-1]):
+    if not kind and len(head) > 3 and not re.search("[\x00-\x08\x0e-\x1f\ufffd]", head[:500].decode("utf-8", "replace")[:-1]):
         kind = "a text file"
     if not kind and path.suffix.lower() in (".hdf5", ".h5", ".hdf"):
         return FormatError(f"'{path}' is not a readable HDF5 file (damaged or truncated): it does not begin as one")

@@ -21,6 +21,8 @@ _WHITE = -0.25
 """Correlation of successive steps below which they are noise: -0.5 if errors are independent, 1 in even motion."""
 _WINDOW = 8
 """Steps within which they are compared: few, so that something rests meanwhile."""
+_OUTLIER = 3.0
+"""Steps longer than this many median ones are cut to that length."""
 _LONGER = 2
 """A tracker stands still where a pose is repeated this many times more often than 95 % of its poses are."""
 
@@ -84,6 +86,9 @@ def _steps(p: Array, q: Array) -> Array:
 def _jitters(steps: Array) -> bool:
     """Whether steps (n, 6) go to and fro, in position or in orientation, where they lead nowhere."""
     for part in (steps[:, :3], steps[:, 3:]):
+        # a tracker that errs for one sample goes to and fro as well
+        length = np.linalg.norm(part, axis=1, keepdims=True)
+        part = part * np.minimum(1.0, _OUTLIER * np.median(length) / np.maximum(length, 1e-12))
         # in windows of some steps; those of the half that leads less far
         far = np.linalg.norm(_sums(part), axis=1)
         size, turned = _sums((part**2).sum(axis=1)), _sums((part[1:] * part[:-1]).sum(axis=1))

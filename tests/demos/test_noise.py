@@ -68,6 +68,13 @@ def test_what_rests_in_a_simulator_is_seen(seed, sigma):
     assert without_freezes(demo) is demo
 
 
+def test_what_rests_in_a_simulator_is_seen_though_it_jumps_away_once():
+    demo = carried(sigma_m=0.0, sigma_rad=0.0)
+    p = demo.T_world_objects.p.copy()
+    p[90] = p[150] = 0.0
+    assert not freezes(replace(demo, T_world_objects=Pose(p, demo.T_world_objects.q)), "box").any()
+
+
 @pytest.mark.parametrize("times", [2, 3, 5])
 def test_a_tracker_slower_than_the_recording_is_not_frozen(times):
     demo = carried(sigma_m=0.001, sigma_rad=0.01, hz=100.0)
