@@ -69,14 +69,14 @@ def _cuts(demos: tuple[Demo, ...]) -> tuple[dict[str, tuple[Cut, ...]], list[str
     """Where learning cuts each recording, and why it could not."""
     from symskill_pddl.demos import without_freezes
     from symskill_pddl.demos.timeline import Cut
-    from symskill_pddl.learning.segments import segment
+    from symskill_pddl.learning.episodes import segment_all
 
     cuts: dict[str, tuple[Cut, ...]] = {}
     failed = []
     for demo in demos:
         times = demo.times - demo.times[0]
         try:
-            episodes = segment(without_freezes(demo))
+            episodes = segment_all([without_freezes(demo)])
         except SymSkillError as error:
             failed.append(f"{demo.where}: learning cannot cut it: {error}")
             continue
