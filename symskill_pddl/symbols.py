@@ -6,8 +6,10 @@ the state and none of its forbidden atoms does; its successor is ``(state - dele
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import combinations, product
 
 from symskill_pddl.errors import InputError, alternatives
@@ -174,11 +176,12 @@ class Domain:
             ("predicate", [p.name for p in self.predicates]),
             ("operator", [o.name for o in self.operators]),
         ):
-            twice = sorted({n for n in names if names.count(n) > 1})
+            twice = sorted(n for n, times in Counter(names).items() if times > 1)
             if twice:
                 raise InputError(f"domain '{self.name}' declares {what} '{twice[0]}' twice")
+        known = {ROOT_TYPE, *(t.name for t in self.types)}
         for t in self.types:
-            if t.parent != ROOT_TYPE and t.parent not in {u.name for u in self.types}:
+            if t.parent not in known:
                 raise InputError(
                     f"type '{t.name}' has the unknown parent '{t.parent}'; declared: {alternatives(u.name for u in self.types)}"
                 )
@@ -195,17 +198,20 @@ class Domain:
                 return p
         raise InputError(f"unknown predicate '{name}'; the domain has: {alternatives(p.name for p in self.predicates)}")
 
+    @cached_property
+    def _parents(self) -> dict[str, str]:
+        return {t.name: t.parent for t in self.types}
+
     def is_a(self, name: str, ancestor: str) -> bool:
         """Whether type `name` is `ancestor` or below it."""
         if ancestor in (name, ROOT_TYPE):
             return True
-        parents = {t.name: t.parent for t in self.types}
         seen: set[str] = set()
         while name not in seen:
             if ancestor in (name, ROOT_TYPE):
                 return True
             seen.add(name)
-            name = parents.get(name, ROOT_TYPE)
+            name = self._parents.get(name, ROOT_TYPE)
         return False
 
     def ground(self, op: Operator, args: tuple[str, ...], objects: Mapping[str, str]) -> GroundOperator:

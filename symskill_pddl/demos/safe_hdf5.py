@@ -16,9 +16,10 @@ from __future__ import annotations
 
 import io
 import math
+import mmap
 import zlib
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -35,6 +36,7 @@ LEAST_ROOM, RATIO = 64_000_000, 32
 """All that is read of a file takes at most so many bytes, and so many times the file's length more: numbers that were recorded
 compress well, those of a trap a thousand times."""
 MOST_NAMES, MOST_CHUNKS, MOST_HOPS, LONGEST_TEXT = 100_000, 100_000, 8, 64_000_000
+_HEAP = b"GCOL\x01\0\0\0"
 # what h5py raises, depending on which bytes are wrong
 _DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, ArithmeticError, AttributeError, MemoryError, zlib.error)
 
@@ -63,15 +65,45 @@ def opened(source: str | Path | bytes, name: str | Path | None = None) -> Iterat
             raise InputError(f"'{where}' {what}; an HDF5 file is needed")
         length = Path(source).stat().st_size
     try:
+        _check_heaps(source, where, length)
         file = h5py.File(io.BytesIO(source) if isinstance(source, bytes) else source, "r")
     except PermissionError as error:
         raise InputError(f"cannot read '{where}': {error.strerror or 'permission denied'}") from error
+    except FormatError:
+        raise
     except _DAMAGE as error:
         raise _damaged(where, error) from error
     try:
         yield Group(_File(where, file, length, LEAST_ROOM + RATIO * length), file, "", ())
     finally:
         file.close()
+
+
+def _check_heaps(source: str | Path | bytes, where: str, length: int) -> None:
+    """Raise where HDF5 would go through the texts of a file without end: in a heap (``GCOL``) an object that takes no room.
+
+    Each object is an index, a count and 4 bytes unused, its size in 8 bytes, and that many bytes up to the next multiple of 8;
+    index 0 is free space, whose size counts its head too.
+    """
+    if not length:
+        return
+    with ExitStack() as stack:
+        if isinstance(source, bytes):
+            content: bytes | mmap.mmap = source
+        else:
+            file = stack.enter_context(Path(source).open("rb"))
+            content = stack.enter_context(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
+        at = content.find(_HEAP)
+        while at >= 0:
+            end, place = at + int.from_bytes(content[at + 8 : at + 16], "little"), at + 16
+            while place + 16 <= min(end, length):
+                index, size = int.from_bytes(content[place : place + 2], "little"), content[place + 8 : place + 16]
+                taken = int.from_bytes(size, "little")
+                taken = taken if index == 0 else (16 + (taken + 7) // 8 * 8)
+                if taken % 2**64 == 0 or taken > 2**63:
+                    raise FormatError(f"'{where}' is damaged: an object in its heap at byte {at} has no size")
+                place += taken
+            at = content.find(_HEAP, at + 1)
 
 
 def _damaged(where: str, error: BaseException) -> FormatError:

@@ -6,7 +6,7 @@ argument of another type), is a remark: the text is read, and whoever needs it i
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 
 from symskill_pddl.errors import ParseError, alternatives
@@ -79,14 +79,13 @@ class Reader:
             raise self.error(node, "expected a type")
         return words
 
-    def known_types(self, kinds: Iterable[Word], types: Iterable[str]) -> Kinds:
-        known = {ROOT_TYPE, *types}
+    def known_types(self, kinds: Iterable[Word], types: Collection[str]) -> Kinds:
         for kind in kinds:
-            if kind.text not in known:
-                raise self.error(kind, f"unknown type '{kind}'; declared: {alternatives(known)}")
+            if kind.text != ROOT_TYPE and kind.text not in types:
+                raise self.error(kind, f"unknown type '{kind}'; declared: {alternatives({ROOT_TYPE, *types})}")
         return tuple(dict.fromkeys(kind.text for kind in kinds))
 
-    def variables(self, items: tuple[Node, ...], types: Iterable[str]) -> tuple[Variable, ...]:
+    def variables(self, items: tuple[Node, ...], types: Collection[str]) -> tuple[Variable, ...]:
         found: list[Variable] = []
         for word, kinds in self.typed(items, "a variable"):
             if not word.text.startswith("?") or word.text == "?":

@@ -136,9 +136,8 @@ class FileReader(ConditionReader):
                 before = tuple(p for p in found.get(word.text, ()) if p != ROOT_TYPE)
                 found[word.text] = tuple(dict.fromkeys((*before, *names)))
                 places[word.text] = word
-        for name, word in places.items():
-            if cycle := _cycle(name, found):
-                raise self.error(word, f"the type '{name}' is below itself: {' - '.join(cycle)}")
+        if cycle := _cycle(found):
+            raise self.error(places[cycle[0]], f"the type '{cycle[0]}' is below itself: {' - '.join(cycle)}")
         return found
 
     def _objects(self, items: tuple[Node, ...], types: Mapping[str, Kinds], into: dict[str, Kinds]) -> None:
@@ -356,17 +355,23 @@ class FileReader(ConditionReader):
         return found
 
 
-def _cycle(name: str, parents: Mapping[str, Kinds]) -> list[str]:
-    """The way from a type back to itself, or nothing."""
-    ways = [[name, p] for p in parents[name]]
-    seen = set[str]()
-    while ways:
-        way = ways.pop()
-        if way[-1] == name:
-            return way
-        if way[-1] not in seen:
-            seen.add(way[-1])
-            ways += [[*way, p] for p in parents.get(way[-1], ())]
+def _cycle(parents: Mapping[str, Kinds]) -> list[str]:
+    """The way from the first type that is below itself back to it, or nothing; every type is looked at once."""
+    done = set[str]()
+    for first in parents:
+        way = {first: None}  # in order, and quickly asked
+        open_ways = [iter(parents[first])] if first not in done else []
+        while open_ways:
+            above = next(open_ways[-1], None)
+            if above is None:
+                open_ways.pop()
+                done.add(way.popitem()[0])
+            elif above in way:
+                names = list(way)
+                return [*names[names.index(above) :], above]
+            elif above not in done:
+                way[above] = None
+                open_ways.append(iter(parents.get(above, ())))
     return []
 
 

@@ -248,6 +248,23 @@ class Rule:
     at: Place = field(default=(1, 1), compare=False, repr=False)
 
 
+class _Above(dict[str, frozenset[str]]):
+    """Worked out for the types that are asked for: in a line of types all together have half as many as their square."""
+
+    def __init__(self, parents: Mapping[str, tuple[str, ...]]) -> None:
+        super().__init__({ROOT_TYPE: frozenset({ROOT_TYPE})})
+        self._parents = parents
+
+    def __missing__(self, name: str) -> frozenset[str]:
+        seen, todo = {ROOT_TYPE, name}, list(self._parents[name])
+        while todo:
+            if (kind := todo.pop()) not in seen:
+                seen.add(kind)
+                todo += self._parents.get(kind, ())
+        self[name] = frozenset(seen)
+        return self[name]
+
+
 @dataclass(frozen=True)
 class Vocabulary:
     """The names that conditions may use. `types` has every type but `object`, with its parents."""
@@ -260,15 +277,7 @@ class Vocabulary:
     @cached_property
     def above(self) -> Mapping[str, frozenset[str]]:
         """Of each type, itself and all that it is below."""
-        found: dict[str, frozenset[str]] = {ROOT_TYPE: frozenset({ROOT_TYPE})}
-        for name in self.types:
-            seen, todo = {ROOT_TYPE}, [name]
-            while todo:
-                if (kind := todo.pop()) not in seen:
-                    seen.add(kind)
-                    todo += self.types.get(kind, ())
-            found[name] = frozenset(seen)
-        return found
+        return _Above(self.types)
 
     def fits(self, kinds: Iterable[str], wanted: Iterable[str]) -> bool:
         """Whether what is of one of `kinds`, and nobody knows which, is always one of `wanted`."""

@@ -209,3 +209,20 @@ def test_a_file_in_memory_is_called_by_its_name():
     h5py.File(buffer, "w").close()
     with opened(buffer.getvalue(), "copy of x") as file, pytest.raises(FormatError, match="'copy of x': y: there is no such"):
         file["y"]
+
+
+@pytest.mark.parametrize("size", [0, 2**64 - 16, 2**63])
+def test_a_heap_without_end_is_refused(tmp_path, made, size):
+    def fill(file):
+        file.attrs.create("text", "a text in the heap", dtype=h5py.string_dtype())
+
+    content = bytearray(made(fill).read_bytes())
+    at = content.index(b"GCOL")
+    first = at + 16
+    used = 16 + (int.from_bytes(content[first + 8 : first + 16], "little") + 7) // 8 * 8
+    free = first + (0 if size else used)
+    content[free : free + 16] = (1 if size else 0).to_bytes(8, "little") + size.to_bytes(8, "little")
+    (tmp_path / "bad.hdf5").write_bytes(content)
+    for source in (bytes(content), tmp_path / "bad.hdf5"):
+        with pytest.raises(FormatError, match="in its heap"), opened(source):
+            pass

@@ -1,3 +1,4 @@
+import sys
 from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
@@ -271,3 +272,39 @@ def test_a_problem_may_leave_out_what_is_empty():
     assert read_problem("(define (problem p) (:goal (gripper-open)))", kitchen()) == Problem(
         "p", "kitchen", (), frozenset(), atoms("gripper-open")
     )
+
+
+def _steps(text, problem):
+    """Lines of our code that reading takes: the same on every machine."""
+    count = 0
+
+    def trace(frame, event, _):
+        nonlocal count
+        count += event == "line"
+        return trace if "symskill_pddl" in frame.f_code.co_filename else None
+
+    before = sys.gettrace()
+    sys.settrace(trace)
+    try:
+        read_problem(problem, read_domain(text))
+    finally:
+        sys.settrace(before)
+    return count
+
+
+@pytest.mark.parametrize("form", ["flat", "line", "tree"])
+def test_twice_as_many_types_take_twice_as_long(form):
+    def steps(n):
+        parents = {"flat": lambda _: "object", "line": lambda i: f"t{i - 1}", "tree": lambda i: f"t{i // 2}"}[form]
+        types = " ".join(["t0 - object", *(f"t{i} - {parents(i)}" for i in range(1, n))])
+        objects = " ".join(f"o{i} - t{i}" if form == "tree" else f"o{i} - t1" for i in range(n))
+        text = f"(define (domain d) (:types {types}) (:predicates (p ?x - t0) (q)))"
+        return _steps(text, f"(define (problem x) (:domain d) (:objects {objects}) (:init (q)) (:goal (and (q))))")
+
+    assert steps(800) < 2.6 * steps(400)
+
+
+def test_the_type_that_is_below_itself_is_named_among_many():
+    types = " ".join(f"t{i} - t{i + 1}" for i in range(3000)) + " t3000 - t2998"
+    with pytest.raises(ParseError, match="the type 't2998' is below itself: t2998 - t2999 - t3000 - t2998"):
+        read_domain(f"(define (domain d) (:types {types}))")
