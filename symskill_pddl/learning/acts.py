@@ -19,6 +19,8 @@ from symskill_pddl.scene import GRIPPER
 
 REACH = 2.0
 """A hand farther than this from an object's box, in A, does not move it: trackers' frames are off by as much."""
+SETTLES = 0.5
+"""What comes to rest so soon, in tau, after a recording begins falls into place; nobody moves it."""
 LONGEST_REST = 2.0
 """A rest pose is taken from at most this long, in tau, before or after a motion."""
 
@@ -70,11 +72,14 @@ def acts(measured: Measured, obj: str, spans: Sequence[Span]) -> list[Act]:
         else:
             runs.append([span])
     bounds = [0, *(bound for run in runs for bound in (run[0].start, run[-1].stop)), len(measured.demo)]
-    found = []
+    times, found = measured.demo.times, list[Act]()
     for k, run in enumerate(runs):
         act = _act(measured, obj, tuple(run), (bounds[2 * k], bounds[2 * k + 3]))
         if act.shift >= measured.config.slight:
-            found.append(_judged(measured, act))
+            act = _judged(measured, act)
+            settles = act.before is None and act.grasped is None and times[act.stop - 1] - times[0] < SETTLES * measured.tau
+            if not settles:
+                found.append(act)
     return found
 
 
@@ -119,10 +124,10 @@ def _apart(measured: Measured, act: Act, T: Pose, T_other: Pose) -> Array:
 
 def _judged(measured: Measured, act: Act) -> Act:
     """Whose doing it was, and whether it was in the fingers."""
-    moved, hand, at = _steps(measured, act)
     own = measured.noise(act.obj)
-    lever_m = float(np.linalg.norm(act.hand_on)) * own.r_rad
-    by_noise = 2.0 * np.sqrt(6.0) * np.hypot(np.hypot(own.p_m, lever_m) / measured.A, own.r_rad)
+    blur_m = np.hypot(own.p_m, float(np.linalg.norm(act.hand_on)) * own.r_rad)
+    by_noise = 2.0 * np.sqrt(6.0) * float(np.hypot(blur_m / measured.A, own.r_rad))
+    moved, hand, at = _steps(measured, act, max(DWELL, 2.0 * by_noise))
     way = np.maximum(np.linalg.norm(moved, axis=-1) - by_noise, 0.0)
     larger = np.maximum(np.sum(moved**2, axis=-1), np.sum(hand**2, axis=-1))
     along = np.clip(np.sum(moved * hand, axis=-1) / np.where(larger > 0.0, larger, 1.0), 0.0, 1.0)
@@ -136,12 +141,12 @@ def _judged(measured: Measured, act: Act) -> Act:
     return replace(act, with_hand=with_hand, near=near, grasped=grasped)
 
 
-def _steps(measured: Measured, act: Act) -> tuple[Array, Array, IntArray]:
-    """In steps of the least dwell: how the object's point at the hand moves (k, 6), in A and radians, how the hand does, and the
+def _steps(measured: Measured, act: Act, taus: float) -> tuple[Array, Array, IntArray]:
+    """In steps of so many tau: how the object's point at the hand moves (k, 6), in A and radians, how the hand does, and the
     samples (k,) at which the steps begin."""
     demo = measured.demo
     dt = float(np.median(np.diff(demo.times)))
-    at = np.arange(act.start, act.stop, max(round(DWELL * measured.tau / dt), 1))
+    at = np.arange(act.start, act.stop, max(round(taus * measured.tau / dt), 1))
     at = np.append(at, min(act.stop, len(demo) - 1))
     T, hand = demo.pose(act.obj)[at], demo.T_world_ee[at]
     change, hands = T[1:] @ T[:-1].inverse(), hand[1:] @ hand[:-1].inverse()
