@@ -10,7 +10,7 @@ import numpy as np
 from symskill_pddl.demos import Demo
 from symskill_pddl.errors import LearningError
 from symskill_pddl.geometry import Pose, rotation_distance
-from symskill_pddl.learning.acts import LONGEST_REST, Act, acts, follows
+from symskill_pddl.learning.acts import LONGEST_REST, REACH, Act, acts, follows
 from symskill_pddl.learning.articulation import fit_joint
 from symskill_pddl.learning.scale import aperture_of
 from symskill_pddl.learning.segments import Episode, Rest, rest
@@ -101,8 +101,8 @@ def _nowhere(act: Act) -> bool:
 def _retreat(measured: Measured, act: Act, following: Act | None) -> tuple[int | None, int, int]:
     """When the hand has let go, if it does; the end of its retreat; and the begin of the next approach.
 
-    A retreat ends where the hand first pauses when it is A away, or without a pause as soon as it is; the next approach begins
-    at that pause, or without one where the hand is farthest from both.
+    A retreat ends where the hand first pauses when it is A away, or without a pause where it is out of reach or as far as it
+    gets; the next approach begins at that pause, or without one where the hand is farthest from both.
     """
     demo = measured.demo
     cut = len(demo) - 1 if following is None else _cut(demo, act, following)
@@ -110,12 +110,13 @@ def _retreat(measured: Measured, act: Act, following: Act | None) -> tuple[int |
     if act.after is None:
         return None, cut, cut
     distance = np.linalg.norm(demo.T_world_ee.p[last : cut + 1] - demo.T_world_ee.p[last], axis=-1)
-    left, away = (np.flatnonzero(distance > d * measured.A) for d in (measured.config.around / 2, 1.0))
+    left, away, gone = (np.flatnonzero(distance > d * measured.A) for d in (measured.config.around / 2, 1.0, REACH))
     if not len(left):
         return (None if following is None else cut), cut, cut
-    end = last + int(away[0] if len(away) else np.argmax(distance))
-    soon = min(int(measured.after(LONGEST_REST)[end]), cut)
-    pauses = end + np.flatnonzero(_pauses(measured)[end : soon + 1])
+    clear = last + int(away[0] if len(away) else np.argmax(distance))
+    soon = min(int(measured.after(LONGEST_REST)[clear]), cut)
+    end = min(last + int(gone[0] if len(gone) else np.argmax(distance)), soon)
+    pauses = clear + np.flatnonzero(_pauses(measured)[clear : soon + 1])
     if len(pauses):
         end = cut = int(pauses[0])
     return last + int(left[0]), end, cut
