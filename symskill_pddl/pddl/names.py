@@ -93,29 +93,37 @@ _VARIABLE = re.compile(r"\?[^\s()?]+")
 _KINDS = ("types", "predicates", "operators", "objects")
 
 
-def check_name(name: str, what: str) -> None:
-    """Raise `InputError` where a name is not a lower-case PDDL name or is a keyword."""
+_LOGIC = frozenset({"and", "or", "not", "imply", "forall", "exists", "when", "either", "define", "object"})
+"""What a name can never be, for PDDL means something else there. Other words of PDDL, like `at`, are names for the standard."""
+
+
+def check_name(name: str, what: str, reserved: Collection[str] = RESERVED) -> None:
+    """Raise `InputError` where a name is not a lower-case PDDL name or is a reserved word."""
     if not _NAME.fullmatch(name):
         raise InputError(
             f"{what} '{name}' is not a PDDL name: lower-case letters, digits, '-' and '_', a letter first; like '{legal(name)}'"
         )
-    if name in RESERVED:
+    if name in reserved:
         raise InputError(f"{what} '{name}' is a word of PDDL itself; take another, like '{legal(name)}'")
 
 
 @lru_cache(maxsize=16)
 def check_domain_names(domain: Domain) -> None:
-    """Raise `InputError` at a name that some PDDL parser would refuse, or that stands for two things."""
+    """Raise `InputError` at a name that is none for the standard, or that stands for two things of one kind.
+
+    What several planners refuse though it is right (`at`, a predicate named like an action) is written as it is; the names that
+    `Names.of` chooses are free of it.
+    """
     _check_unique(_declared(domain))
-    check_name(domain.name, "domain")
+    check_name(domain.name, "domain", _LOGIC)
     for op in domain.operators:
         for parameter in (*op.parameters, *(p for a in sorted(op.absent) for p in a.over)):
-            check_name(parameter.name[1:], f"operator '{op.name}', parameter")
+            check_name(parameter.name[1:], f"operator '{op.name}', parameter", _LOGIC)
 
 
 def check_problem_names(problem: Problem, domain: Domain) -> None:
     """The same for a problem's objects, together with the domain's names."""
-    check_name(problem.name, "problem")
+    check_name(problem.name, "problem", _LOGIC)
     if problem.domain != domain.name:
         raise InputError(f"problem '{problem.name}' is of the domain '{problem.domain}', not of '{domain.name}'")
     _check_unique([*_declared(domain), *(("object", name) for name, _ in problem.objects)])
@@ -130,12 +138,12 @@ def _declared(domain: Domain) -> list[tuple[str, str]]:
 
 
 def _check_unique(declared: Iterable[tuple[str, str]]) -> None:
-    owner: dict[str, str] = {}
+    seen: set[tuple[str, str]] = set()
     for what, name in declared:
-        check_name(name, what)
-        if name in owner:
-            raise InputError(f"{what} '{name}' is named like a {owner[name]}; several planners refuse that, rename one")
-        owner[name] = what
+        check_name(name, what, _LOGIC)
+        if (what, name) in seen:
+            raise InputError(f"there are two of the {what} '{name}'")
+        seen.add((what, name))
 
 
 def legal(identifier: str) -> str:

@@ -6,9 +6,19 @@ from hypothesis import strategies as st
 from random_domains import atoms, covered_egg, domains, kitchen, problems
 
 from symskill_pddl.errors import FormatError, InputError
-from symskill_pddl.pddl import Names, load_names, load_renames, write_domain, write_problem
+from symskill_pddl.pddl import (
+    DIALECTS,
+    Names,
+    exported,
+    load_names,
+    load_renames,
+    read_domain,
+    read_problem,
+    write_domain,
+    write_problem,
+)
 from symskill_pddl.pddl.names import RESERVED, check_domain_names, check_name, legal
-from symskill_pddl.symbols import Domain, Operator, Parameter, Plan, Predicate, Problem, Type
+from symskill_pddl.symbols import Atom, Domain, Operator, Parameter, Plan, Predicate, Problem, Type
 
 
 @given(st.text(max_size=30))
@@ -121,12 +131,12 @@ def test_words_of_pddl_are_no_names(word):
     ("domain", "message"),
     [
         (replace(kitchen(), name="Kitchen"), "domain 'Kitchen' is not"),
-        (replace(kitchen(), predicates=(*kitchen().predicates, Predicate("pan"))), "predicate 'pan' is named like a type"),
-        (replace(kitchen(), operators=(replace(kitchen().operators[0], name="lid"),)), "operator 'lid' is named like a type"),
+        (replace(kitchen(), predicates=(*kitchen().predicates, Predicate("or"))), "predicate 'or' is a word of PDDL"),
+        (replace(kitchen(), operators=(replace(kitchen().operators[0], name="3d"),)), "operator '3d' is not a PDDL name"),
         (UGLY, "type 'Food' is not a PDDL name"),
     ],
 )
-def test_the_writer_refuses_names_that_planners_refuse(domain, message):
+def test_the_writer_refuses_what_is_no_name(domain, message):
     with pytest.raises(InputError, match=message):
         write_domain(domain)
 
@@ -134,7 +144,7 @@ def test_the_writer_refuses_names_that_planners_refuse(domain, message):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"objects": (("pan", "pan"),)}, "named like a type"),
+        ({"objects": (("pan", "pan"), ("pan", "lid"))}, "two of the object 'pan'"),
         ({"domain": "garage"}, "of the domain 'garage'"),
         ({"name": "9"}, "not a PDDL"),
     ],
@@ -188,3 +198,15 @@ def test_a_renames_file(tmp_path):
     path.write_text('{"pick-lid": "uncover"}')
     with pytest.raises(FormatError, match="expected"):
         load_renames(path)
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_names_that_the_standard_allows_are_written_as_they_are(dialect):
+    """A predicate `at`, an operator named like a predicate, an object named like a type."""
+    at, over = Predicate("at", ("pan",)), Predicate("over")
+    go = Operator("over", (Parameter("?at", "pan"),), frozenset({Atom("over")}), frozenset({Atom("at", ("?at",))}), frozenset())
+    domain = Domain("start", (Type("pan"),), (at, over), (go,))
+    read = read_domain(write_domain(domain, dialect=dialect))
+    assert read == exported(domain, dialect).domain
+    problem = Problem("end", "start", (("pan", "pan"),), frozenset({Atom("over")}), frozenset({Atom("at", ("pan",))}))
+    assert read_problem(write_problem(problem, domain, dialect=dialect), read) == exported(domain, dialect).problem(problem)

@@ -27,7 +27,7 @@ def egg(goal, **changes):
     return replace(covered_egg(), goal=atoms(goal), **changes)
 
 
-MATCHES = """(define (domain d) (:types thing candle match - thing)
+MATCHES = """(define (domain d) (:types thing - object candle match - thing)
   (:predicates (fresh ?m - match) (lit ?c - candle) (dry) (near ?a ?b - thing)
     (tool ?t - thing) (sharp ?t - thing) (cut ?t - thing))
   (:action light :parameters (?m - match ?c - candle)
