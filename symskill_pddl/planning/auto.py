@@ -1,9 +1,16 @@
-"""`auto`: for each problem the planner that suits it best among those installed; the result says which it was, and why.
+"""`auto`: for each problem the engine that is quickest on such problems, of those installed; and no engine where none is needed.
 
-What costs a robot time is the plan, not the planning: one step takes it seconds. So `builtin` plans wherever it can plan well,
-which is where the problem is small. Larger problems go to `mimir`, whose plans are short, where all operators cost the same, for
-as long as its patience lasts, and then to `kairos`, which solves the largest. An engine that breaks is followed by the next, and
-in the end by `builtin`.
+Measured (docs/benchmarks-planning.md), Kairos is the quickest from a dozen ground operators to a hundred thousand. Its way of
+searching is chosen by the number of goal atoms that do not hold: with few, its greedy search with FF's heuristic is up to three
+times as quick as what it chooses itself, which takes one goal atom after the other where there are many. Without Kairos there are
+Mimir, for as many states as its patience lasts, and `builtin`, which needs nothing installed. An engine that breaks is followed
+by the next.
+
+A session first looks whether what is left of the last plan still reaches the goal: then there is nothing to search for. That is
+never longer than the rest of that plan, but another plan may be shorter where somebody else has helped meanwhile; the messages
+say so. It is not done where a step of it has failed before.
+
+What is taken depends on the problem and the calls before, never on how busy the machine is, as long as time does not run out.
 """
 
 from __future__ import annotations
@@ -13,29 +20,53 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import prod
+from typing import NamedTuple
 
 from symskill_pddl import __version__
 from symskill_pddl.planning.kairos import Kairos
 from symskill_pddl.planning.mimir import Mimir
+from symskill_pddl.planning.moves import Numbered, shortened
 from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, BySession, Limits, Planner, PlanResult, Session, Status, Step, session
 from symskill_pddl.planning.search import Builtin
-from symskill_pddl.symbols import Domain, State
+from symskill_pddl.planning.shorten import Move, rest_of
+from symskill_pddl.symbols import Atom, Domain, GroundOperator, Plan, State, check_atom
 
-SMALL = 100
-"""Bindings of all operators to objects of their types, up to which `builtin` is as quick as anyone."""
+FEW = 8
+"""Goal atoms that do not hold, up to which greedy search goes first."""
+HEAD_START = 0.25
+"""Part of the time that the first of two ways to search may use. It ends sooner or never where it finds a plan."""
 PATIENCE = 5_000_000
 """States that `mimir` may look at, times bindings, and five thousand at least: some tenths of a second of work."""
 Objects = tuple[tuple[str, str], ...]
 
 
-def fast(domain: Domain, objects: Objects) -> tuple[Planner, ...]:
-    """The installed engines for a large problem, best first."""
-    found: list[Planner] = []
-    if Mimir.installed() and len({op.cost for op in domain.operators}) <= 1:
-        found.append(Mimir(max_states=max(5_000, PATIENCE // max(1, bindings(domain, objects)))))
+class Choice(NamedTuple):
+    """An engine to ask, how long, and why."""
+
+    engine: Planner
+    part: float
+    """Of the time that is left."""
+    why: str
+
+
+def choices(domain: Domain, objects: Objects, unmet: int) -> tuple[Choice, ...]:
+    """The engines to ask in turn, until one has an answer.
+
+    Parameters
+    ----------
+    unmet : int
+        Goal atoms that do not hold.
+    """
+    found: list[Choice] = []
     if Kairos.installed():
-        found.append(Kairos())
-    return tuple(found)
+        if unmet <= FEW:
+            found.append(Choice(Kairos(search="ff"), HEAD_START, f"greedy search for {unmet} goal atoms"))
+        found.append(Choice(Kairos(), 1.0, f"its own choice for {unmet} goal atoms"))
+    elif Mimir.installed() and len({op.cost for op in domain.operators}) <= 1:
+        states = max(5_000, PATIENCE // max(1, bindings(domain, objects)))
+        found.append(Choice(Mimir(max_states=states), 1.0, "the quickest engine that is installed"))
+    why = "no other is left" if found else "no faster planner is installed; pip install 'symskill-pddl[planners]'"
+    return (*found, Choice(Builtin(), 1.0, why))
 
 
 def bindings(domain: Domain, objects: Objects) -> int:
@@ -62,42 +93,80 @@ class Auto(BySession):
         return AutoSession(domain, objects)
 
 
+class _Known(NamedTuple):
+    """The last plan."""
+
+    goal: State
+    moves: tuple[Move[GroundOperator], ...]
+    numbered: Numbered
+    planner: str
+
+
 @dataclass
 class AutoSession:
     """See `protocol.Session`."""
 
     domain: Domain
     objects: Objects
-    _open: dict[str, Session] = field(default_factory=dict)
-    _failed: set[tuple[str, State]] = field(default_factory=set)
+    _open: dict[Planner, Session] = field(default_factory=dict)
+    _failed: set[tuple[Planner, State]] = field(default_factory=set)
     """Engines with the goals that they were too weak for; they are not asked again."""
+    _last: _Known | None = None
+    _checked: set[Atom] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        self._types = dict(self.objects)
 
     def solve(
         self, init: State, goal: State, limits: Limits = Limits(), extra_costs: Mapping[Step, float] = NO_EXTRA_COSTS
     ) -> PlanResult:
-        """Plan with the engine that suits; a message says which and why."""
+        """Plan with the engine that suits, if one is needed; a message says which and why."""
         start = time.monotonic()
-        engines, why = self._choose()
-        for engine in (e for e in engines if e.name == "builtin" or (e.name, goal) not in self._failed):
+        if (kept := self._kept(init, goal, extra_costs)) is not None:
+            return replace(kept, seconds=time.monotonic() - start)
+        turned_away = ""
+        for choice in choices(self.domain, self.objects, len(goal - init)):
+            engine, part, _ = choice
+            if (engine, goal) in self._failed and not isinstance(engine, Builtin):
+                continue
             left = max(1e-3, limits.time_s - (time.monotonic() - start))
-            found = self._with(engine).solve(init, goal, replace(limits, time_s=left), extra_costs)
-            if found.status is not Status.FAILED:
+            found = self._with(engine).solve(init, goal, replace(limits, time_s=part * left), extra_costs)
+            if found.status is not Status.FAILED and not (found.status is Status.TIMEOUT and part < 1.0):
                 break
-            self._failed.add((engine.name, goal))
-            why = f"{why}; {engine.name} failed ({found.messages[0] if found.messages else 'without a word'})"
-        messages = (*found.messages, f"auto took {found.planner}: {why}")
+            self._failed.add((engine, goal))
+            said = found.messages[0] if found.messages else "without a word"
+            turned_away += f"; {engine.name} {found.status.value} before ({said})"
+        self._keep(found, goal)
+        messages = (*found.messages, f"auto took {found.planner}: {choice.why}{turned_away}")
         return PlanResult(found.status, found.plan, time.monotonic() - start, messages, found.planner)
 
-    def _choose(self) -> tuple[tuple[Planner, ...], str]:
-        """Engines to ask in turn, `builtin` last; and why."""
-        number = bindings(self.domain, self.objects)
-        if number <= SMALL:
-            return (Builtin(),), f"the problem is small, {number} ground operators by type"
-        if engines := fast(self.domain, self.objects):
-            return (*engines, Builtin()), f"the problem is large, {number} ground operators by type"
-        return (Builtin(),), "no faster planner is installed; pip install 'symskill-pddl[planners]'"
-
     def _with(self, engine: Planner) -> Session:
-        if engine.name not in self._open:
-            self._open[engine.name] = session(engine, self.domain, self.objects)
-        return self._open[engine.name]
+        if engine not in self._open:
+            self._open[engine] = session(engine, self.domain, self.objects)
+        return self._open[engine]
+
+    def _keep(self, found: PlanResult, goal: State) -> None:
+        if found.plan is None:
+            return
+        numbered = Numbered()
+        moves = tuple(numbered.move(step) for step in found.plan.ground(self.domain, self._types))
+        numbered.mask(goal)
+        self._last = _Known(goal, moves, numbered, found.planner)
+
+    def _kept(self, init: State, goal: State, extra_costs: Mapping[Step, float]) -> PlanResult | None:
+        """What is left of the last plan, if that is a plan from here."""
+        if self._last is None or goal != self._last.goal:
+            return None
+        for atom in init - self._checked:
+            check_atom(self.domain, atom, self._types, "init")
+        self._checked |= init
+        _, moves, numbered, planner = self._last
+        rest = rest_of(moves, numbered.known(init), numbered.mask(goal))
+        if rest is None:
+            return None
+        steps = shortened(self.domain, self._types, (m.of for m in rest), init, goal)
+        if any(extra_costs.get((s.name, s.args), 0.0) > 0.0 for s in steps):
+            return None
+        plan = Plan(tuple((s.name, s.args) for s in steps), float(sum(s.cost for s in steps)))
+        said = f"auto asked no planner: {len(steps)} of the {len(moves)} steps that {planner} planned still reach the goal"
+        return PlanResult(Status.SOLVED, plan, 0.0, (said,), planner)

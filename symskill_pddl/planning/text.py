@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from importlib.metadata import PackageNotFoundError, version
@@ -20,6 +20,7 @@ from symskill_pddl.pddl.export import write_domain, write_problem
 from symskill_pddl.pddl.names import Names
 from symskill_pddl.pddl.plan import read_plan
 from symskill_pddl.planning.engine import Engine, Objects, proven
+from symskill_pddl.planning.moves import shortened
 from symskill_pddl.planning.protocol import Limits, PlanResult, Status
 from symskill_pddl.symbols import Atom, Domain, GroundOperator, Plan, Problem, State, check_atom, check_problem, validate
 
@@ -121,7 +122,7 @@ class TextSession:
         except InputError as error:
             return result(Status.FAILED, None, f"what {self._planner} gives is not a plan: {error}")
         if self._shorten:
-            steps = without_detours(steps, init, goal, start + limits.time_s)
+            steps = shortened(self._text.original, self._objects, steps, init, goal)
         plan = Plan(tuple((s.name, s.args) for s in steps), float(sum(s.cost for s in steps)))
         return result(Status.SOLVED, plan, *answer.messages)
 
@@ -141,35 +142,6 @@ def _believed(domain: Domain, problem: Problem, plan: Plan) -> tuple[GroundOpera
             return steps
     validate(domain, problem, plan)  # runs it again, to say what is wrong
     raise InputError("it does not reach the goal")
-
-
-def without_detours(steps: tuple[GroundOperator, ...], init: State, goal: State, deadline: float) -> tuple[GroundOperator, ...]:
-    """The plan without steps that the goal can do without: greedy action elimination (Nakhost and Mueller, ICAPS 2010).
-
-    Each step in turn is left out, together with every later step that is then not applicable; where the rest still reaches the
-    goal, it stays out.
-    """
-    bits: dict[Atom, int] = {}
-
-    def mask(atoms: Iterable[Atom]) -> int:
-        return sum(1 << bits.setdefault(a, len(bits)) for a in set(atoms))
-
-    sets = {id(s): (mask(s.pre), mask(s.absent), mask(s.delete), mask(s.add)) for s in steps}
-    wanted, kept, number, state = mask(goal), list(steps), 0, mask(init)
-    while number < len(kept) and time.monotonic() < deadline:
-        after, rest = state, []
-        for step in kept[number + 1 :]:
-            pre, absent, delete, add = sets[id(step)]
-            if pre & after == pre and not absent & after:
-                after = after & ~delete | add
-                rest.append(step)
-        if wanted & after == wanted:
-            kept[number:] = rest
-        else:
-            _, _, delete, add = sets[id(kept[number])]
-            state = state & ~delete | add
-            number += 1
-    return tuple(kept)
 
 
 @dataclass(frozen=True)

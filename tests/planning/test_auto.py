@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from random_domains import atoms, breadth_first, covered_egg, domains, kitchen, problems
 
 import symskill_pddl.planning.auto as auto
+from symskill_pddl.errors import InputError
 from symskill_pddl.planning import Auto, Builtin, Limits, Pyperplan, Status, get, session
 from symskill_pddl.planning.protocol import PlanResult
 from symskill_pddl.symbols import validate
@@ -31,45 +32,70 @@ def taken(result):
     return result.planner, result.messages[-1]
 
 
-def test_small_problems_go_to_builtin():
-    assert taken(get().solve(kitchen(), covered_egg())) == (
-        "builtin",
-        f"auto took builtin: the problem is small, {auto.bindings(kitchen(), covered_egg().objects)} ground operators by type",
-    )
+def chosen(monkeypatch, *engines):
+    """Let `auto` choose among these."""
+    monkeypatch.setattr(auto, "choices", lambda *_: tuple(auto.Choice(e, 1.0, "as the test wants") for e in engines))
 
 
-def test_large_problems_go_to_a_fast_engine(monkeypatch):
-    monkeypatch.setattr(auto, "SMALL", 3)
-    monkeypatch.setattr(auto, "fast", lambda _domain, _objects: (Solves(), Breaks()))
-    assert taken(Auto().solve(kitchen(), covered_egg()))[0] == "solves"
-    extra = {("pick-lid", ("lid-a", "pan-a")): 1.0}
-    assert taken(Auto().solve(kitchen(), covered_egg(), Limits(), extra))[0] == "solves"
+def installed(monkeypatch, *families):
+    for family in (auto.Kairos, auto.Mimir):
+        monkeypatch.setattr(family, "module", "sys" if family in families else "no_such_module")
 
 
-def test_an_engine_that_breaks_is_followed_by_builtin(monkeypatch):
-    monkeypatch.setattr(auto, "SMALL", 3)
-    monkeypatch.setattr(auto, "fast", lambda _domain, _objects: (Breaks(),))
-    planner, why = taken(Auto().solve(kitchen(), covered_egg()))
-    assert planner == "builtin"
-    assert why.startswith("auto took builtin: the problem is large")
-    assert why.endswith("; breaks failed (out of order)")
-    warm = session(Auto(), kitchen(), covered_egg().objects)
-    warm.solve(covered_egg().init, covered_egg().goal)
-    assert "out of order" not in taken(warm.solve(covered_egg().init, covered_egg().goal))[1]
+def test_few_goal_atoms_and_many(monkeypatch):
+    installed(monkeypatch, auto.Kairos)
+    few, many = (auto.choices(kitchen(), covered_egg().objects, n) for n in (auto.FEW, auto.FEW + 1))
+    assert [(c.engine.name, getattr(c.engine, "search", "")) for c in few] == [
+        ("kairos", "ff"),
+        ("kairos", "auto"),
+        ("builtin", ""),
+    ]
+    assert [(c.engine.name, getattr(c.engine, "search", "")) for c in many] == [("kairos", "auto"), ("builtin", "")]
 
 
 def test_without_engines_there_is_builtin(monkeypatch):
-    monkeypatch.setattr(auto, "SMALL", 3)
-    monkeypatch.setattr(auto, "fast", lambda _domain, _objects: ())
-    assert "no faster planner is installed" in taken(Auto().solve(kitchen(), covered_egg()))[1]
+    installed(monkeypatch)
+    planner, why = taken(get().solve(kitchen(), covered_egg()))
+    assert planner == "builtin"
+    assert why.startswith("auto took builtin: no faster planner is installed")
 
 
 def test_mimir_is_for_operators_that_cost_the_same(monkeypatch):
-    for engine in (auto.Mimir, auto.Kairos):
-        monkeypatch.setattr(engine, "module", "sys")  # as if it were installed
+    installed(monkeypatch, auto.Mimir)
     same = replace(kitchen(), operators=tuple(replace(op, cost=1.0) for op in kitchen().operators))
-    assert [e.name for e in auto.fast(same, covered_egg().objects)] == ["mimir", "kairos"]
-    assert [e.name for e in auto.fast(kitchen(), covered_egg().objects)] == ["kairos"]
+    assert [c.engine.name for c in auto.choices(same, covered_egg().objects, 1)] == ["mimir", "builtin"]
+    assert [c.engine.name for c in auto.choices(kitchen(), covered_egg().objects, 1)] == ["builtin"]
+
+
+def test_an_engine_that_breaks_is_followed_by_the_next(monkeypatch):
+    chosen(monkeypatch, Breaks(), Solves(), Builtin())
+    planner, why = taken(Auto().solve(kitchen(), covered_egg()))
+    assert planner == "solves"
+    assert why == "auto took solves: as the test wants; breaks failed before (out of order)"
+    warm = session(Auto(), kitchen(), covered_egg().objects)
+    for extra in ({}, {("pick-lid", ("lid-a", "pan-a")): 1.0}):
+        result = warm.solve(covered_egg().init, covered_egg().goal, Limits(), extra)
+        assert ("out of order" in taken(result)[1]) == (not extra)  # not asked again
+
+
+def test_what_is_left_of_the_last_plan_needs_no_planner(monkeypatch):
+    chosen(monkeypatch, Solves(), Breaks())
+    egg = covered_egg()
+    warm, state = session(Auto(), kitchen(), egg.objects), egg.init
+    plan = warm.solve(state, egg.goal).unwrap()
+    chosen(monkeypatch, Breaks())
+    for done, step in enumerate(plan.ground(kitchen(), egg.object_types), start=1):
+        state = step.apply(state)
+        result = warm.solve(state, egg.goal)
+        assert result.plan.steps == plan.steps[done:]
+        assert result.messages == (
+            f"auto asked no planner: {len(plan) - done} of the {len(plan)} steps that solves planned still reach the goal",
+        )
+    blamed = dict.fromkeys(plan.steps[-1:], 1.0)
+    assert warm.solve(egg.init, egg.goal, Limits(), blamed).status is Status.FAILED  # it is asked
+    assert warm.solve(egg.init, atoms("gripper-holds-lid lid-a")).status is Status.FAILED
+    with pytest.raises(InputError, match="ghost"):
+        warm.solve(egg.init | atoms("food-in-pan ghost pan-a"), egg.goal)
 
 
 @pytest.mark.parametrize("planner", [Builtin(), Builtin(optimal=True), Auto(), Pyperplan()], ids=lambda p: type(p).__name__)

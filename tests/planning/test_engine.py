@@ -40,7 +40,8 @@ def test_another_way_is_taken_in_a_warm_session_and_in_a_cold_call(engine):
         assert choice(result.plan) != first
         if isinstance(engine, Engine):
             assert result.messages[-1] == f"left out for this call, as failed before: (place-lid {' '.join(first[1])})"
-    assert choice(warm.solve(problem.init, problem.goal).unwrap()) == first  # nothing of it stays
+    if not isinstance(engine, Auto):  # which goes on with the last plan
+        assert choice(warm.solve(problem.init, problem.goal).unwrap()) == first  # nothing of it stays
 
 
 def test_what_cannot_be_avoided_is_done(engine):

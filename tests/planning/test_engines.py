@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from random_domains import atoms, breadth_first, careless_kitchen, covered_egg, domains, kitchen, problems
 
 from symskill_pddl.errors import InputError, MissingDependencyError
-from symskill_pddl.planning import LPG, FastDownward, Kairos, Limits, Mimir, Status, get, planners, session
+from symskill_pddl.planning import LPG, FastDownward, Kairos, Limits, Mimir, Status, get, session
 from symskill_pddl.planning.protocol import PlanResult
-from symskill_pddl.planning.text import Answer, Text, TextSession, without_detours
+from symskill_pddl.planning.text import Answer, Text, TextSession
 from symskill_pddl.symbols import Plan, Problem, validate
 
 from .processes import running
@@ -233,15 +233,6 @@ def test_other_answers_pass(status):
 def test_no_plan_for_a_text_that_needs_more_proves_nothing(dialect):
     result = answering(Answer(Status.UNSOLVABLE), careless_kitchen(at_most_one=True), dialect)
     assert result.status is (Status.FAILED if dialect == "strips" else Status.UNSOLVABLE)
-
-
-def test_detours_are_left_out():
-    egg = covered_egg()
-    good = planners()[0].solve(kitchen(), egg).unwrap().ground(kitchen(), egg.object_types)
-    first = good[0]  # takes a lid off: put back and taken off again it is a detour
-    back = kitchen().ground(kitchen().operator("place-lid"), first.args, egg.object_types)
-    assert without_detours((first, back, *good), egg.init, egg.goal, float("inf")) == good
-    assert without_detours((first, back, *good), egg.init, egg.goal, 0.0) == (first, back, *good)
 
 
 def test_an_engine_that_is_not_installed(monkeypatch):
