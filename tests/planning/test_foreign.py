@@ -7,10 +7,11 @@ import pytest
 from symskill_pddl.errors import InputError, ParseError
 from symskill_pddl.pddl import read_task, validate_plan, write_plan
 from symskill_pddl.pddl.symbolic import BeyondModelError
-from symskill_pddl.planning import Builtin, Command, Limits, Pyperplan, Status, get, planners
+from symskill_pddl.planning import Builtin, Command, FastDownward, Limits, Pyperplan, Status, get, planners
 from symskill_pddl.planning.command import proof
 from symskill_pddl.planning.diverse import diverse
 from symskill_pddl.planning.foreign import explained, solve
+from symskill_pddl.planning.text import Answer
 
 GREET = """(define (domain d) (:predicates (at ?x) (over ?x) (greet ?a ?b) (all))
   (:action greet :parameters (?a ?b) :precondition (and (at ?a) (over ?b)) :effect (greet ?a ?b))
@@ -126,3 +127,11 @@ def test_what_no_model_holds_goes_to_those_that_read():
     assert "derived predicates are not supported by our own model" in result.messages[0]
     assert "planners that read PDDL themselves may take it" in result.messages[0]
     assert write_plan(solve(get("auto"), read_task(domain, WORK)).unwrap()).startswith(("(walk)", "(ride)"))
+
+
+def test_fast_downward_s_incomplete_search_is_no_proof_with_axioms(monkeypatch):
+    said = Answer(Status.UNSOLVABLE, messages=("fast-downward ended with status 12: no plan exists",))
+    monkeypatch.setattr(FastDownward, "load", lambda _self, _text: lambda _problem, _limits: said)
+    assert solve(FastDownward(), read_task(WAYS, WORK)).status is Status.UNSOLVABLE
+    rule = "(:derived (done) (exists (?x) (= ?x ?x))) (:action walk"
+    assert solve(FastDownward(), read_task(WAYS.replace("(:action walk", rule), WORK)).status is Status.FAILED
