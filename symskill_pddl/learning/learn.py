@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from symskill_pddl import workers
-from symskill_pddl.demos import Demo, decode_demos, encode_demos
+from symskill_pddl.demos import Demo, decode_demos, encode_demos, without_freezes
 from symskill_pddl.errors import LearningError
 from symskill_pddl.learning.config import LearnConfig
 from symskill_pddl.learning.hints import hinted
@@ -118,7 +118,8 @@ def learn_reported(
     config = config or LearnConfig()
     clock = _Clock(progress)
     demos, same = _distinct(_sorted(demos))
-    read = hinted(demos, config.hints)
+    # a tracker that stood still saw nothing
+    read = tuple(without_freezes(demo) for demo in hinted(demos, config.hints))
     found = learn_symbols(read, config, selector=selector, progress=clock.stage)
     clock.stage("skills")
     groups, learned, skills, failed = _skills(found.groups, config.skills, jobs)
