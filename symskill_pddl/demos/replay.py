@@ -41,6 +41,8 @@ class TrackedObject:
     """Site that gives the frame, or -1 for the body's own."""
     half_size: tuple[float, float, float] | None
     """Of the box about the frame that holds the primitive shapes [m]; None without such shapes, or if the body does not move."""
+    moves: bool = False
+    """Whether it has a joint of its own."""
 
 
 @dataclass(frozen=True)
@@ -176,7 +178,7 @@ class KinematicModel:
 
     def _tracked(self, body: int, name: str) -> TrackedObject:
         if self.model.body_jntnum[body] > 0:
-            return TrackedObject(name, body, -1, self._half_size(body))
+            return TrackedObject(name, body, -1, self._half_size(body), moves=True)
         sites = [
             s for s in range(self.model.nsite) if self.model.site_bodyid[s] == body and self._name("site", s).endswith("_top")
         ]

@@ -17,13 +17,14 @@ from symskill_pddl.demos.lerobot import is_lerobot, read_lerobot
 from symskill_pddl.demos.recorded import Recorded, read_recording
 from symskill_pddl.demos.replay import KinematicModel
 from symskill_pddl.demos.safe_hdf5 import Group, opened
-from symskill_pddl.errors import InputError, UnsafeError, alternatives
+from symskill_pddl.errors import FormatError, InputError, UnsafeError
 from symskill_pddl.geometry import Array, Pose
 from symskill_pddl.panda.arm import Q_GRIP_EE
+from symskill_pddl.robocasa.custom import described_objects
 from symskill_pddl.robocasa.recorded_kitchen import RecordedEnv
 from symskill_pddl.robocasa.tasks import TASKS, TaskSpec
-from symskill_pddl.robocasa.things import look
-from symskill_pddl.robocasa.tracking import Model
+from symskill_pddl.robocasa.things import Seen, look
+from symskill_pddl.robocasa.tracking import Model, Tracked
 from symskill_pddl.robocasa.view import View
 
 
@@ -61,9 +62,9 @@ def import_robocasa(path: str | Path, config: ImportConfig | None = None, *, rem
     Raises
     ------
     InputError
-        If there is no such file, or it is of a task that is none of `TASKS`.
+        If there is no such file.
     FormatError
-        If it is damaged, or its model has not the fixture that the task is about.
+        If it is damaged, or its model has not what the task is about.
     MissingDependencyError
         For a LeRobot dataset, without pyarrow.
     """
@@ -81,7 +82,7 @@ def _demo(recorded: Recorded, config: ImportConfig) -> Demo:
         model.pose(recorded.states[0])
         found = Model(model.mujoco, model.model, model.data)
         env = RecordedEnv(found, recorded.meta)
-        seen = look(spec.about, found, env, env.fixture(spec))
+        seen = look(spec.about, found, env, env.fixture(spec)) if spec is not None else _described(model, recorded)
         view = View(found.T_world_robot(), seen.mirrored)
     except UnsafeError as error:
         raise UnsafeError(f"{recorded.where}: {error}") from None
@@ -96,7 +97,7 @@ def _demo(recorded: Recorded, config: ImportConfig) -> Demo:
     return Demo(
         name=recorded.name,
         source=recorded.source,
-        task=config.task or spec.name,
+        task=config.task or (spec.name if spec is not None else str(recorded.env["env_name"])),
         times=recorded.times,
         T_world_ee=view.pose(T_world_ee),
         aperture=aperture,
@@ -108,15 +109,23 @@ def _demo(recorded: Recorded, config: ImportConfig) -> Demo:
     )
 
 
-def _task(recorded: Recorded) -> TaskSpec:
-    """The task: 365 has names of its own for RoboCasa's tasks, 0.2 those of the paper."""
+def _task(recorded: Recorded) -> TaskSpec | None:
+    """The task: 365 has names of its own for RoboCasa's tasks, 0.2 those of the paper; None if it is unknown."""
     env = str(recorded.env["env_name"])
     specs = [spec for spec in TASKS.values() if not spec.composed]
-    for spec in specs:
-        if env in (spec.name, spec.env):
-            return spec
-    known = alternatives({name for spec in specs for name in (spec.env, spec.name)})
-    raise InputError(f"{recorded.where}: it is of '{env}'; tasks that can be imported: {known}")
+    return next((spec for spec in specs if env in (spec.name, spec.env)), None)
+
+
+def _described(model: KinematicModel, recorded: Recorded) -> Seen:
+    """What an environment that is not known here says it is about."""
+    objects = described_objects(model.objects, recorded.meta)
+    if not objects:
+        raise FormatError(
+            f"it is of '{recorded.env['env_name']}', and its description names neither things ('object_cfgs') nor fixtures "
+            "('fixture_refs') that the model has"
+        )
+    still = Pose.identity()
+    return Seen(tuple(Tracked(o.name, kind, o.body, still, o.half_size) for o, kind in objects.items()), (), False)
 
 
 def _poses(model: KinematicModel, states: Array, bodies: list[int]) -> tuple[Pose, Array, Pose]:

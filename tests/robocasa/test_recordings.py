@@ -12,7 +12,7 @@ import pytest
 
 from symskill_pddl.demos import load_demos, save_demos
 from symskill_pddl.errors import FormatError, InputError
-from symskill_pddl.geometry import Pose
+from symskill_pddl.geometry import Pose, rotation_distance
 from symskill_pddl.robocasa.recordings import import_robocasa, is_robocasa
 from symskill_pddl.robocasa.view import View
 
@@ -114,7 +114,6 @@ def rename(file: Path, old: str, new: str) -> None:
 @pytest.mark.parametrize(
     ("key", "value", "error", "message"),
     [
-        ("env_args", '{"env_name": "MakeSoup"}', InputError, "it is of 'MakeSoup'; tasks that can be imported: CloseCabinet"),
         ("ep_meta", "{}", FormatError, "names no fixture with a door .'fixture_refs': none"),
         ("ep_meta", '{"fixture_refs": {"fxtr": "cab_main_main_group"}}', FormatError, "has 2 doors"),
         ("ep_meta", "3", FormatError, "has to be a JSON object"),
@@ -125,6 +124,19 @@ def rename(file: Path, old: str, new: str) -> None:
 def test_what_does_not_fit_is_named(hdf5: Path, key: str, value: str, error: type[Exception], message: str) -> None:
     set_attribute(hdf5, key, value)
     with pytest.raises(error, match=message):
+        import_robocasa(hdf5)
+
+
+def test_an_environment_of_somebody_elses_shows_what_it_describes(hdf5: Path) -> None:
+    set_attribute(hdf5, "env_args", '{"env_name": "MakeSoup"}')
+    demo = import_robocasa(hdf5)[0]
+    assert demo.task == "MakeSoup"
+    assert demo.objects["cab_1_main_group_hingedoor"] == "door"
+    assert "cabinet" in demo.objects["cab_1_main_group"]
+    door = demo.pose("cab_1_main_group_hingedoor")
+    assert np.degrees(rotation_distance(door[0], door[-1])) > 30
+    set_attribute(hdf5, "ep_meta", "{}")
+    with pytest.raises(FormatError, match="it is of 'MakeSoup', and its description names neither things"):
         import_robocasa(hdf5)
 
 
