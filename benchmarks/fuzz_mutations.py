@@ -118,7 +118,7 @@ VALUES: tuple[Any, ...] = (
 )
 # what a library raises of a file that is spoilt already
 _SPOILT = (OSError, ValueError, LookupError, RuntimeError, TypeError, ArithmeticError, MemoryError, EOFError, zipfile.BadZipFile)
-TEXTS = (".json", ".jsonl", ".pddl", ".txt", ".xml")
+TEXTS = (".toml", ".json", ".jsonl", ".pddl", ".txt", ".xml")
 
 
 def spoil(rng: Random, folder: Path) -> None:

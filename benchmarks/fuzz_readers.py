@@ -385,6 +385,25 @@ def _talk(folder: Path) -> None:
     read_plans(read_text(folder / "talk.txt", "output"), read_domain_file(KITCHEN), objects)
 
 
+def _seed_settings(folder: Path) -> None:
+    (folder / "settings.toml").write_text(
+        '[relations]\ngap = 0.5\n[hints]\nleave_out = {objects = ["lamp"]}\n[hints.joints]\nblock = "free"\n'
+    )
+
+
+def _settings(folder: Path) -> None:
+    from symskill_pddl.cli.settings import read_settings
+    from symskill_pddl.errors import SymSkillError
+
+    path = folder / "settings.toml"
+    lines = path.read_text("utf-8", "replace").split("\n") if path.is_file() and not path.is_symlink() else []
+    for config, hints, said in ((path, None, ()), (None, path, ()), *((None, None, (line.replace(" ", ""),)) for line in lines)):
+        try:
+            read_settings(config, hints, said)
+        except SymSkillError:
+            continue
+
+
 READERS: dict[str, Reader] = {
     "domain": Reader(_kept("domain.pddl"), _domain),
     "problem": Reader(_kept("problem.pddl"), _problem),
@@ -398,6 +417,7 @@ READERS: dict[str, Reader] = {
     "library": Reader(_seed_library, _library, _right_sums),
     "trace": Reader(_seed_trace, _trace),
     "results": Reader(_seed_results, _results),
+    "settings": Reader(_seed_settings, _settings),
     "words": Reader(_seed_words, _words),
     "reply": Reader(_seed_reply, _reply),
     "talk": Reader(_seed_talk, _talk),

@@ -14,7 +14,8 @@ import re
 import select
 import stat
 import time
-from collections.abc import Callable
+import tomllib
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -152,6 +153,27 @@ def parse_json(text: str | bytes, where: str) -> Any:
     except _NumberError as error:
         raise FormatError(f"{where}: {error}") from None
     return value
+
+
+def parse_toml(text: str, where: str) -> dict[str, Any]:
+    """The tables of a TOML document, all of whose numbers are finite; raises `FormatError` as `parse_json`."""
+    try:
+        found = tomllib.loads(text, parse_float=lambda digits: _finite(digits.replace("_", "")))
+        if any(abs(n) >= 10**_DIGITS for n in _whole_numbers(found)):
+            raise _NumberError(f"a number has more than {_DIGITS} digits")
+        return found
+    except RecursionError:
+        raise FormatError(f"{where}: is nested too deeply") from None
+    except (ValueError, _NumberError) as error:  # also what int() says of thousands of digits
+        raise FormatError(f"{where}: is no TOML: {shown(error, 160)}") from None
+
+
+def _whole_numbers(value: Any) -> Iterator[int]:
+    if isinstance(value, int):
+        yield value
+    elif isinstance(value, dict | list):
+        for part in value.values() if isinstance(value, dict) else value:
+            yield from _whole_numbers(part)
 
 
 def validated(valid: Callable[[Any], T], text: str | bytes, where: str) -> T:

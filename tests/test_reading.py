@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 
 from symskill_pddl.errors import FormatError, InputError
-from symskill_pddl.reading import number, parse_json, read_bytes, read_text, validated, whole
+from symskill_pddl.reading import number, parse_json, parse_toml, read_bytes, read_text, validated, whole
 
 
 @pytest.mark.parametrize(
@@ -141,3 +141,21 @@ def test_numbers_are_read_as_they_were_written(real, count):
 def test_what_is_no_number(text):
     assert number(text) is None
     assert whole(text) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a =", "is no TOML"),
+        ("a = " + "[" * 5000, "is nested too deeply|is no TOML"),
+        ("a = " + "9" * 5000, "is no TOML"),
+        ("a = 99999999999999999999", "more than 18 digits"),
+        ("a = nan", "the number nan is out of range"),
+        ("a = 1e999", "out of range"),
+    ],
+)
+def test_toml_that_is_none(text, message):
+    with pytest.raises(FormatError, match=f"^some file: .*({message})") as caught:
+        parse_toml(text, "some file")
+    assert len(str(caught.value)) < 300
+    assert parse_toml("a = 1_000\nb = 1.5", "x") == {"a": 1000, "b": 1.5}

@@ -9,7 +9,6 @@ import ast
 import inspect
 import json
 import textwrap
-import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
@@ -18,10 +17,11 @@ from typing import Any
 import numpy as np
 
 from symskill_pddl.demos import Demo
-from symskill_pddl.errors import InputError
+from symskill_pddl.errors import FormatError, InputError, shown
 from symskill_pddl.learning import LearnConfig, read_config
 from symskill_pddl.learning.config import merged, read_toml
 from symskill_pddl.learning.hints import Hints
+from symskill_pddl.reading import parse_toml
 
 UNITS = {"_m_s": "m/s", "_rad_s": "rad/s", "_m_rad": "m/rad", "_m": "m", "_rad": "rad", "_deg": "deg", "_s": "s"}
 
@@ -91,9 +91,11 @@ def read_settings(config: Path | None, hints: Path | None, said: Sequence[str]) 
         if not equals or not key.strip():
             raise InputError(f"--hint '{text}': expected KEY=VALUE, such as joints.block=free or leave_out.objects=[\"lamp\"]")
         try:
-            table = tomllib.loads(f"{key} = {value if value[:1] in list('[{') else json.dumps(value)}")
-        except tomllib.TOMLDecodeError as error:
-            raise InputError(f"--hint '{text}': {error}") from None
+            table = parse_toml(
+                f"{key} = {value if value[:1] in list('[{') else json.dumps(value)}", f"--hint '{shown(text, 80)}'"
+            )
+        except FormatError as error:
+            raise InputError(str(error)) from None
         document = merged(document, table)
     return replace(settings, hints=Hints.of(document))
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
-from symskill_pddl.errors import FormatError, InputError, alternatives
+from symskill_pddl.errors import InputError, alternatives
 from symskill_pddl.learning.hints import Hints
 from symskill_pddl.learning.scale import RelationConfig
 from symskill_pddl.learning.skills import SkillConfig
 from symskill_pddl.learning.states import StateConfig
+from symskill_pddl.reading import parse_toml, read_text
 
 
 @dataclass(frozen=True)
@@ -58,15 +58,12 @@ def read_toml(path: Path) -> dict[str, Any]:
 
     Raises
     ------
+    InputError
+        If it cannot be read.
     FormatError
-        If it cannot be read or is no TOML; the message has the place.
+        If it is no TOML; the message has the place.
     """
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FormatError(f"cannot read '{path}': {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise FormatError(f"'{path}' is not TOML: {error}") from None
+    return parse_toml(read_text(path, "file of settings"), f"'{path}'")
 
 
 def _known(path: Path, what: str, found: Mapping[str, Any], known: set[str]) -> None:

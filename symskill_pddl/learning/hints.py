@@ -84,6 +84,8 @@ class Hints:
         InputError
             If there is no such hint, or a value has the wrong type.
         """
+        if not isinstance(document, Mapping) or not isinstance(document.get("leave_out", {}), Mapping):
+            raise InputError(f"{source}: hints, and 'leave_out' among them, have to be a table")
         flat = {k: v for k, v in document.items() if k != "leave_out"}
         left = document.get("leave_out", {})
         names = {f.name for f in fields(cls)} - {"objects", "spans"}

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symskill_pddl.errors import FormatError, InputError
+from symskill_pddl.errors import InputError
 from symskill_pddl.learning import LearnConfig, read_config
 from symskill_pddl.learning.scale import RelationConfig, aperture_of
 
@@ -29,9 +29,9 @@ def test_a_file_sets_some_settings_and_the_others_stay(tmp_path):
         ("[relations]\ngap = -1", "relations.gap has to be a positive number, got -1"),
         ("[relations]\ngap = true", "relations.gap has to be a positive number, got True"),
         ("[relations]\nodd_of = 2.5", "relations.odd_of has to be a positive whole number, got 2.5"),
-        ("[relations]\ngap = nan", "relations.gap has to be a positive number"),
+        ("[relations]\ngap = nan", "the number nan is out of range"),
         ("[hints]\nupp = 'z'", "there is no hint 'upp'"),
-        ("gap =", "is not TOML"),
+        ("gap =", "is no TOML"),
     ],
 )
 def test_what_is_no_setting_is_refused(tmp_path, text, message):
@@ -42,7 +42,7 @@ def test_what_is_no_setting_is_refused(tmp_path, text, message):
 
 
 def test_a_file_that_is_not_there():
-    with pytest.raises(FormatError, match=r"cannot read 'nowhere\.toml'"):
+    with pytest.raises(InputError, match=r"there is no file of settings 'nowhere\.toml'"):
         read_config(Path("nowhere.toml"))
 
 
@@ -58,3 +58,13 @@ def test_lengths_follow_the_hand():
 
 def test_without_fingers_a_usual_hand_is_assumed():
     assert aperture_of([]) == 0.08
+
+
+NO_TABLES = ["hints = 1", "[hints]\nleave_out = 3", "[hints]\nleave_out = []", '[hints]\nleave_out = "lamp"']
+
+
+@pytest.mark.parametrize("text", NO_TABLES)
+def test_hints_that_are_no_table_are_refused(tmp_path, text):
+    (tmp_path / "learn.toml").write_text(text)
+    with pytest.raises(InputError, match="have to be a table"):
+        read_config(tmp_path / "learn.toml")
