@@ -6,7 +6,9 @@ open while the pans are filled hangs in the arm's way, though no atom says so.
 
 from __future__ import annotations
 
-from symskill_pddl.symbols import GroundOperator, State
+from collections.abc import Iterator, Sequence
+
+from symskill_pddl.symbols import Atom, GroundOperator, State
 
 _MOST_TRIES = 2_000
 
@@ -29,34 +31,60 @@ def one_by_one(
     begun : frozenset of str
         Objects that were used before the plan.
     """
-    tries = 0
-    earlier = [frozenset(i for i in range(j) if _bound(steps[i], steps[j])) for j in range(len(steps))]
+    later = _later(steps)
+    waiting = [0] * len(steps)
+    for i in (i for after in later for i in after):
+        waiting[i] += 1
 
-    def rest(left: tuple[int, ...], now: State, used: frozenset[str]) -> list[int] | None:
-        nonlocal tries
-        if not left:
-            return [] if goal <= now else None
-        choices = [i for i in left if earlier[i].isdisjoint(left) and steps[i].applicable(now)]
-        for i in sorted(choices, key=lambda i: (-_share(steps[i], used), i)):
-            tries += 1
-            if tries > _MOST_TRIES:
-                return None
-            step = steps[i]
-            found = rest(tuple(j for j in left if j != i), step.apply(now), used.union(step.args))
-            if found is not None:
-                return [i, *found]
-        return None
+    def choices(ready: frozenset[int], now: State, used: frozenset[str]) -> Iterator[int]:
+        able = [i for i in ready if steps[i].applicable(now)]
+        return iter(sorted(able, key=lambda i: (-_share(steps[i], used), i)))
 
-    order = rest(tuple(range(len(steps))), state, begun)
-    return steps if order is None else tuple(steps[i] for i in order)
+    ready = frozenset(i for i, count in enumerate(waiting) if not count)
+    order: list[int] = []
+    ways = [(choices(ready, state, begun), ready, state, begun)]
+    for _ in range(max(_MOST_TRIES, 4 * len(steps))):
+        following, ready, now, used = ways[-1]
+        if len(order) == len(steps) and goal <= now:
+            return tuple(steps[i] for i in order)
+        if (best := next(following, None)) is None:
+            ways.pop()
+            if not ways:
+                break
+            for i in later[order.pop()]:
+                waiting[i] += 1
+            continue
+        order.append(best)
+        for i in later[best]:
+            waiting[i] -= 1
+        ready = ready - {best} | {i for i in later[best] if not waiting[i]}
+        now, used = steps[best].apply(now), used.union(steps[best].args)
+        ways.append((choices(ready, now, used), ready, now, used))
+    return steps
 
 
-def _bound(first: GroundOperator, then: GroundOperator) -> bool:
-    """Whether one changes an atom of an object that the other needs or changes."""
-    changed_first, changed_then = first.add | first.delete, then.add | then.delete
-    needed_first, needed_then = first.pre | first.absent, then.pre | then.absent
-    common = (changed_first & (needed_then | changed_then)) | (needed_first & changed_then)
-    return any(atom.args for atom in common)
+def _later(steps: Sequence[GroundOperator]) -> list[set[int]]:
+    """For each step those that have to stay behind it, as far as no step between them says so already.
+
+    One of two steps changes an atom of an object that the other needs or changes.
+    """
+    later: list[set[int]] = [set() for _ in steps]
+    changed: dict[Atom, int] = {}
+    needed: dict[Atom, list[int]] = {}
+    for j, step in enumerate(steps):
+        changes = step.add | step.delete
+        for atom in ((step.pre | step.absent) - changes) | changes:
+            if not atom.args:
+                continue
+            if atom in changed:
+                later[changed[atom]].add(j)
+            if atom in changes:
+                for i in needed.pop(atom, ()):
+                    later[i].add(j)
+                changed[atom] = j
+            else:
+                needed.setdefault(atom, []).append(j)
+    return later
 
 
 def _share(step: GroundOperator, used: frozenset[str]) -> float:

@@ -72,6 +72,7 @@ def reachable(
     objects = problem.object_types
     kinds = {t for o in domain.operators for p in o.parameters for t in (p.type,)}
     pools = {kind: tuple(o for o, t in problem.objects if domain.is_a(t, kind)) for kind in kinds}
+    members = {kind: frozenset(pool) for kind, pool in pools.items()}
     wanted: dict[str, list[tuple[Operator, Atom]]] = defaultdict(list)
     for op in domain.operators:
         for atom in sorted(op.pre):
@@ -105,10 +106,12 @@ def reachable(
                 if _different(op, whole):
                     yield whole
             return
+        if time.monotonic() > deadline:  # here too: a join may look at millions of facts and fire nothing
+            raise OutOfTimeError
         atom = min(todo, key=lambda a: len(_candidates(a, binding, by_predicate, index)))
         rest = [a for a in todo if a is not atom]
         for fact in tuple(_candidates(atom, binding, by_predicate, index)):
-            if (extended := _match(op, atom, fact, binding, pools)) is not None:
+            if (extended := _match(op, atom, fact, binding, members)) is not None:
                 yield from complete(op, rest, extended)
 
     for op in domain.operators:
@@ -121,7 +124,7 @@ def reachable(
         for i, arg in enumerate(fact.args):
             index[fact.predicate, i, arg].append(fact)
         for op, atom in wanted[fact.predicate]:
-            if (start := _match(op, atom, fact, {}, pools)) is not None:
+            if (start := _match(op, atom, fact, {}, members)) is not None:
                 for binding in complete(op, [a for a in sorted(op.pre) if a != atom], start):
                     fire(op, binding, reached[fact])
     return tuple(ground[key] for key in sorted(ground)), reached
@@ -143,7 +146,7 @@ def _candidates(
 
 
 def _match(
-    op: Operator, atom: Atom, fact: Atom, binding: Mapping[str, str], pools: Mapping[str, tuple[str, ...]]
+    op: Operator, atom: Atom, fact: Atom, binding: Mapping[str, str], members: Mapping[str, frozenset[str]]
 ) -> dict[str, str] | None:
     """The binding that makes `atom` this `fact`, or None; parameters get objects of their types, different ones where they are to
     differ."""
@@ -153,7 +156,7 @@ def _match(
         if variable in result:
             if result[variable] != arg:
                 return None
-        elif arg not in pools[types[variable]]:
+        elif arg not in members[types[variable]]:
             return None
         else:
             result[variable] = arg

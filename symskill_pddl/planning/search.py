@@ -2,9 +2,8 @@
 
 First best-first on ``g + h`` with the cost of FF's relaxed plan as h. It sees costs, so a step that was blamed for a failure is
 avoided where there is another way; as h can overestimate, plans are good but not proved to be the cheapest. Where `PATIENCE`
-does not see the end of it, a lazy greedy search with preferred operators follows (Helmert, 2006), and stretches of its plan are
-planned again by the first search wherever that finds a cheaper way (windows; Siddiqui and Haslum, 2015): larger problems get
-longer plans instead of none, without detours that fit into a window. ``optimal=True`` takes h_max, which cannot overestimate,
+does not see the end of it, a lazy greedy search with preferred operators follows (Helmert, 2006), whose plan is cleared of
+detours (`shorten`): larger problems get longer plans instead of none. ``optimal=True`` takes h_max, which cannot overestimate,
 and proves the cost at the price of time. Each proves unsolvability by exhausting the reachable states, or at once where
 even the relaxed problem has no plan.
 """
@@ -21,13 +20,12 @@ from symskill_pddl.errors import InputError
 from symskill_pddl.planning.grounding import Action, Grounding, OutOfTimeError, Task, TooLargeError, ground_task
 from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, PlanResult, Status, Step
 from symskill_pddl.planning.relaxation import INFINITE, Relaxation
+from symskill_pddl.planning.shorten import Move, without_detours
 from symskill_pddl.symbols import Domain, Plan, Problem, State, check_problem, validate
 
 _Entry = tuple[float, int, int, Action | None]
 PATIENCE = 40_000
-"""States expanded, times ground operators, before the search turns greedy: about a tenth of a second of work."""
-WINDOW, WINDOW_PATIENCE = 10, 60
-"""Steps of a greedy plan that are planned again together, each window half over the next; states expanded in each."""
+"""States estimated, times ground operators, before the search turns greedy: about a tenth of a second of work."""
 BOOST = 1000
 """How many expansions preferred operators get ahead for each state that looks better than all before."""
 
@@ -70,13 +68,13 @@ class Builtin:
     def _search(self, task: Task, deadline: float) -> tuple[list[Action] | None, int]:
         relaxation = Relaxation(task)
         if self.optimal:
-            return _best_first(task, relaxation.h_max, deadline, expansions=None)
+            return _best_first(task, relaxation.h_max, deadline, estimates=None)
         patience = max(10, PATIENCE // max(1, len(task.actions)))
         try:
-            return _best_first(task, relaxation.h_ff, deadline, expansions=patience)
+            return _best_first(task, relaxation.h_ff, deadline, estimates=patience)
         except _OutOfPatienceError:
             found, expanded = _lazy_greedy(task, relaxation, deadline)
-            return found and _without_detours(task, found, deadline), expanded + patience
+            return found and _shortened(task, found), expanded
 
 
 class BuiltinSession:
@@ -131,11 +129,11 @@ class BuiltinSession:
 
 
 class _OutOfPatienceError(Exception):
-    """The allowed number of states was expanded."""
+    """The allowed number of states was estimated."""
 
 
 def _best_first(
-    task: Task, heuristic: Callable[[int], float], deadline: float, *, expansions: int | None
+    task: Task, heuristic: Callable[[int], float], deadline: float, *, estimates: int | None
 ) -> tuple[list[Action] | None, int]:
     """Best-first on g + h; states that are reached more cheaply are opened again."""
     goal = task.goal_mask
@@ -149,7 +147,7 @@ def _best_first(
             continue
         if state & goal == goal:
             return _trace(parent, state), expanded
-        if expanded == expansions:
+        if estimates is not None and len(estimate) >= estimates:
             raise _OutOfPatienceError
         expanded += 1
         if time.monotonic() > deadline:
@@ -227,29 +225,20 @@ def _lazy_greedy(
     return None, expanded
 
 
-def _without_detours(task: Task, actions: list[Action], deadline: float) -> list[Action]:
-    """A plan, with every window of it, from the last to the first, replaced by a cheaper way to what the rest of it needs."""
-    begin = len(actions)
-    while begin > 0:
-        begin = max(0, begin - WINDOW // 2)
-        end = begin + WINDOW
-        needs = task.goal_mask
-        for action in reversed(actions[end:]):
-            needs = (needs & ~action.add_mask) | action.pre_mask
-        state = task.init
-        for action in actions[:begin]:
-            state = (state & ~action.delete_mask) | action.add_mask
-        part = replace(task, init=state, goal=tuple(i for i in range(task.n_facts) if needs >> i & 1))
-        try:
-            shorter, _ = _best_first(part, Relaxation(part).h_ff, deadline, expansions=WINDOW_PATIENCE)
-        except _OutOfPatienceError:
-            continue
-        except OutOfTimeError:
-            # the plan there is, is better than none
-            break
-        if shorter is not None and sum(a.cost for a in shorter) < sum(a.cost for a in actions[begin:end]):
-            actions = [*actions[:begin], *shorter, *actions[end:]]
-    return actions
+def _shortened(task: Task, actions: list[Action]) -> list[Action]:
+    """The plan without detours."""
+    adders: dict[int, list[Move[Action]]] = {}
+    move_of = {a.step: Move(a.pre_mask, 0, a.delete_mask, a.add_mask, a.cost, a) for a in task.actions}
+    for action in task.actions:
+        for fact in action.add:
+            adders.setdefault(fact, []).append(move_of[action.step])
+
+    def other(wanted: int, state: int) -> Move[Action] | None:
+        able = adders.get((wanted & -wanted).bit_length() - 1, ())
+        return next((m for m in able if wanted & m.add == wanted and m.applicable(state)), None)
+
+    plan = [move_of[a.step] for a in actions]
+    return [m.of for m in without_detours(plan, task.init, task.goal_mask, other)]
 
 
 def _trace(parent: Mapping[int, tuple[int, Action]], state: int) -> list[Action]:

@@ -54,3 +54,9 @@ def test_the_hand_is_emptied_before_it_takes_something_else():
     goal = frozenset({Atom("in", ("egg", "pan")), Atom("in", ("bun", "pan")), *TAKE.add, *SHUT.add})
     found = one_by_one(steps, frozenset({FREE}) | SHUT.add, goal)
     assert found == (*steps[:2], *steps[3:5], OPEN, TAKE, SHUT)
+
+
+def test_a_plan_of_a_thousand_steps():
+    """No recursion: each step needs what the one before it made."""
+    chain = tuple(step("go", f"o{i}", pre=[f"at{i}"], add=[f"at{i + 1}"], delete=[f"at{i}"]) for i in range(1000))
+    assert one_by_one(chain, chain[0].pre, chain[-1].add) == chain
