@@ -10,9 +10,10 @@ import numpy as np
 
 from symskill_pddl.geometry import Array, Pose, karcher_mean, rotation_distance
 from symskill_pddl.learning.parts import continues
+from symskill_pddl.learning.places import Clustered
 from symskill_pddl.learning.relations import Contact, Label, PredicateConfig
 from symskill_pddl.learning.report import SHOW_AGAIN, LeftOut
-from symskill_pddl.learning.segments import Episode, Rest, RestKey
+from symskill_pddl.learning.segments import Episode, Rest
 from symskill_pddl.learning.shapes import clusters, fit_shape, narrowed
 
 At = tuple[int | None, str | None]
@@ -21,16 +22,14 @@ At = tuple[int | None, str | None]
 
 def labelled(
     episodes: Sequence[Episode],
-    of_rest: Mapping[RestKey, tuple[int | None, str]],
+    into: Clustered,
     jointed: Mapping[str, bool],
-    odd: Mapping[str, bool],
-    left_out: list[LeftOut],
     config: PredicateConfig,
 ) -> tuple[tuple[Label, ...], tuple[Contact, ...]]:
     """Episodes that lead somewhere, with their contacts clustered per type (for joints: per start, end and finger command)."""
 
     def at(r: Rest | None) -> At:
-        return of_rest.get(r.key, (None, None)) if r is not None else (None, None)
+        return into.of_rest.get(r.key, (None, None)) if r is not None else (None, None)
 
     groups: dict[tuple[object, ...], list[tuple[Episode, int | None, str | None, int | None, str | None]]] = defaultdict(list)
     keys: dict[tuple[str, str], tuple[object, ...]] = {}  # of the group that last had hold of an object
@@ -43,10 +42,10 @@ def labelled(
         undone = None
         (start, start_ref), (end, end_ref) = at(e.before), at(e.after)
         if end is None and end_ref is not None:
-            left_out.append(LeftOut.of(e, "it ends where no other demonstration leaves one", SHOW_AGAIN))
+            into.left_out.append(LeftOut.of(e, "it ends where no other demonstration leaves one", SHOW_AGAIN))
         elif _undone(e, (start, start_ref), (end, end_ref), jointed):
             undone = e
-            left_out.append(LeftOut.of(e, "it leads back to where it began (a retry or a nudge)"))
+            into.left_out.append(LeftOut.of(e, "it leads back to where it began (a retry or a nudge)"))
         else:
             way = (start if start is not None else -1, end if end is not None else -1) if jointed[e.type] else ()
             key = (e.type, _closed(e), *way)
@@ -61,8 +60,8 @@ def labelled(
         labels = clusters(_contact_distances([m[0] for m in members], config), config.contact_gap_m, config.ratio, 0.01)
         for k in range(labels.max() + 1):
             own = [m for m, label in zip(members, labels, strict=True) if label == k]
-            if len(own) == 1 and odd[own[0][0].demo.where] and len(members) > 1:
-                left_out.append(LeftOut.of(own[0][0], "the gripper acts on it as in no other demonstration", SHOW_AGAIN))
+            if len(own) == 1 and into.odd[own[0][0].demo.where] and len(members) > 1:
+                into.left_out.append(LeftOut.of(own[0][0], "the gripper acts on it as in no other demonstration", SHOW_AGAIN))
                 continue
             kept += [Label(e, len(contacts), start, start_ref, end, end_ref) for e, start, start_ref, end, end_ref in own]
             contacts.append(_contact_of([m[0] for m in own], jointed, config))

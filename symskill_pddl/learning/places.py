@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,17 +48,34 @@ class _Rests:
         return np.asarray(np.sqrt(across**2 + rise**2 + (self.config.tilt_m_rad * tilt) ** 2))
 
 
+@dataclass(frozen=True, eq=False)
+class Clustered:
+    """What clustering has found so far.
+
+    Attributes
+    ----------
+    odd : dict of str to bool
+        By demonstration, whether what it alone shows is left out.
+    places : list of Place
+    of_rest : dict of RestKey to (int or None, str)
+        By rest, its place, None where it was left out, and the object that it is at.
+    left_out : list of LeftOut
+    """
+
+    odd: Mapping[str, bool]
+    places: list[Place] = field(default_factory=list)
+    of_rest: dict[RestKey, tuple[int | None, str]] = field(default_factory=dict)
+    left_out: list[LeftOut] = field(default_factory=list)
+
+
 def cluster_pair(
     found: Sequence[Placement],
     joint: Joint | None,
     apart: Sequence[tuple[int, int]],
-    odd: Mapping[str, bool],
-    places: list[Place],
-    of_rest: dict[RestKey, tuple[int | None, str]],
-    left_out: list[LeftOut],
+    into: Clustered,
     config: PredicateConfig,
 ) -> None:
-    """Clusters of one (object type, reference type); appends to `places`, `of_rest` and `left_out`."""
+    """Clusters of one (object type, reference type), added to what was found before."""
     # static ones behind those that a motion began or ended with
     ordered = sorted(found, key=lambda p: p.rest.static)
     n = sum(not p.rest.static for p in found)
@@ -74,19 +91,19 @@ def cluster_pair(
     groups: list[list[int]] = []
     for members in core:
         only = ordered[members[0]]
-        if len(members) == 1 and odd[only.demo.where] and len(core) > 1:
+        if len(members) == 1 and into.odd[only.demo.where] and len(core) > 1:
             start_s, stop_s = only.demo.times[[only.rest.start, only.rest.stop - 1]].tolist()
             reason = f"it rests at {only.ref} where no other demonstration leaves one"
-            left_out.append(LeftOut(only.demo.where, start_s, stop_s, only.rest.obj, reason, SHOW_AGAIN))
-            of_rest[only.rest.key] = (None, only.ref)
+            into.left_out.append(LeftOut(only.demo.where, start_s, stop_s, only.rest.obj, reason, SHOW_AGAIN))
+            into.of_rest[only.rest.key] = (None, only.ref)
         else:
             groups.append(members)
     for static in range(n, len(ordered)):
         _adopt(static, groups, rests)
     for group in groups:
         for i in group:
-            of_rest[ordered[i].rest.key] = (len(places), ordered[i].ref)
-        places.append(_place_of([ordered[i] for i in group], joint, config))
+            into.of_rest[ordered[i].rest.key] = (len(into.places), ordered[i].ref)
+        into.places.append(_place_of([ordered[i] for i in group], joint, config))
 
 
 def _adopt(static: int, groups: Sequence[list[int]], rests: _Rests) -> None:

@@ -18,10 +18,9 @@ from symskill_pddl.geometry import Pose
 from symskill_pddl.learning.articulation import Joint, agreed_joint, fit_joint
 from symskill_pddl.learning.contacts import labelled
 from symskill_pddl.learning.parts import continues
-from symskill_pddl.learning.places import cluster_pair
+from symskill_pddl.learning.places import Clustered, cluster_pair
 from symskill_pddl.learning.references import Extents, Placement, place
 from symskill_pddl.learning.relations import Label, Place, PredicateConfig, Relations
-from symskill_pddl.learning.report import LeftOut
 from symskill_pddl.learning.segments import Episode, RestKey, rest
 from symskill_pddl.learning.shapes import narrowed
 from symskill_pddl.symbols import Predicate
@@ -40,10 +39,7 @@ def learn_relations(
     """
     config = config or PredicateConfig()
     shown = Counter(demo.task for demo in demos)
-    odd = {demo.where: shown[demo.task] >= config.odd_of for demo in demos}
-    places: list[Place] = []
-    left_out: list[LeftOut] = []
-    of_rest: dict[RestKey, tuple[int | None, str]] = {}  # (place or None when odd, reference object)
+    into = Clustered({demo.where: shown[demo.task] >= config.odd_of for demo in demos})
     jointed: dict[str, bool] = {}
     for type_ in sorted({t for e in episodes for t in (e.type, e.moved_type)}):
         own = [e for e in episodes if type_ in (e.type, e.moved_type)]
@@ -52,10 +48,11 @@ def learn_relations(
         for pair, held in sorted({(p.types, p.rest.held and p.types not in joints) for p in found}):
             rests = [p for p in found if (p.types, p.rest.held and p.types not in joints) == (pair, held)]
             apart = _ends(rests, own, type_) if pair in joints else []
-            cluster_pair(rests, joints.get(pair), apart, odd, places, of_rest, left_out, config)
-    kept, contacts = labelled(episodes, of_rest, jointed, odd, left_out, config)
-    tight = tuple(_left_behind(i, place, kept) for i, place in enumerate(places))
-    return Relations(tight, contacts, kept, tuple(left_out), {rest: ref for rest, (_, ref) in of_rest.items()})
+            cluster_pair(rests, joints.get(pair), apart, into, config)
+    kept, contacts = labelled(episodes, into, jointed, config)
+    tight = tuple(_left_behind(i, place, kept) for i, place in enumerate(into.places))
+    references = {rest: ref for rest, (_, ref) in into.of_rest.items()}
+    return Relations(tight, contacts, kept, tuple(into.left_out), references)
 
 
 def _left_behind(index: int, place: Place, labels: Sequence[Label]) -> Place:

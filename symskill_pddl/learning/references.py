@@ -171,7 +171,7 @@ def _prior_scores(demo: Demo, rest: Rest, found: Candidates, hinged: bool, exten
     own = demo.objects[rest.obj]
     contact = np.array(
         [
-            _contact(found.T_ref_obj[k], found.T_world_ref[k], rest.T_world_obj, extents.get(own), extents.get(t), hinged, config)
+            _contact(found.T_ref_obj[k], found.T_world_ref[k], extents.get(own), extents.get(t), hinged, config)
             for k, t in enumerate(found.types)
         ]
     )
@@ -183,12 +183,12 @@ def _prior_scores(demo: Demo, rest: Rest, found: Candidates, hinged: bool, exten
 def _contact(
     T_ref_obj: Pose,
     T_world_ref: Pose,
-    T_world_obj: Pose,
     own: tuple[float, float, float] | None,
     other: tuple[float, float, float] | None,
     hinged: bool,
     config: ReferenceConfig,
 ) -> float:
+    T_world_obj = T_world_ref @ T_ref_obj
     across = T_world_obj.p - T_world_ref.p
     if other is None:
         above = 1.0 if across[2] > 0.0 or hinged else 0.7
