@@ -98,11 +98,16 @@ def _nowhere(act: Act) -> bool:
     return act.shift < 1.0 and act.after is not None
 
 
+WHOLE = 0.95
+"""A hand that is as far as this fraction of its way stays there."""
+
+
 def _retreat(measured: Measured, act: Act, following: Act | None) -> tuple[int | None, int, int]:
     """When the hand has let go, if it does; the end of its retreat; and the begin of the next approach.
 
-    A retreat ends where the hand first pauses when it is A away, or without a pause where it is out of reach or as far as it
-    gets; the next approach begins at that pause, or without one where the hand is farthest from both.
+    The last retreat of a recording ends where the hand stays. Others end where the hand first pauses when it is A away, or
+    without a pause where it is out of reach or as far as it gets; the next approach begins at that pause, or without one where
+    the hand is farthest from both.
     """
     demo = measured.demo
     cut = len(demo) - 1 if following is None else _cut(demo, act, following)
@@ -113,6 +118,9 @@ def _retreat(measured: Measured, act: Act, following: Act | None) -> tuple[int |
     left, away, gone = (np.flatnonzero(distance > d * measured.A) for d in (measured.config.around / 2, 1.0, REACH))
     if not len(left):
         return (None if following is None else cut), cut, cut
+    if following is None:  # nothing cuts it short: a door that was pushed shut is left until the hand is where it stays
+        end = last + int(np.argmax(distance >= WHOLE * distance.max()))
+        return last + int(left[0]), end, end
     clear = last + int(away[0] if len(away) else np.argmax(distance))
     soon = min(int(measured.after(LONGEST_REST)[clear]), cut)
     end = min(last + int(gone[0] if len(gone) else np.argmax(distance)), soon)

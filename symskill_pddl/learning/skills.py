@@ -125,12 +125,26 @@ def _stretches(t: Transition, config: SkillConfig) -> tuple[tuple[Stretch, ...],
         found += _runs("approach", t.begin, e.start, _approached(t).inverse() @ e.demo.T_world_ee, t, config)
         return tuple(found), bool(command[t.end])
     reference = _reference(t)
-    still = min(e.stop, len(e.demo) - 1)  # the first sample at rest: a sample earlier the hand is still above its place
+    still = _pressed(t)
     found += _runs("motion", e.start, still, reference.inverse() @ e.demo.T_world_ee, t, config)
     rest = e.after.T_world_obj if e.after is not None else e.demo.pose(e.obj)[still]
     last = min(max(e.end, t.end), len(e.demo) - 1)
     found += _runs("retreat", still, last, rest.inverse() @ e.demo.T_world_ee, t, config)
     return tuple(found), bool(command[last])
+
+
+def _pressed(t: Transition) -> int:
+    """Where a motion of the hand ends: at the first sample at rest; a sample earlier what is put down is still above its place.
+
+    A hand that pushes goes on until it is as far as it gets, before it leaves: it presses a door into its frame.
+    """
+    e = t.label.episode
+    still, until = min(e.stop, len(e.demo) - 1), min(e.leave or e.end, len(e.demo) - 1)
+    p = e.demo.T_world_ee.p
+    ahead = p[still] - p[max(still - 2, 0)]
+    if e.held or until <= still or not ahead.any():
+        return still
+    return still + int(np.argmax((p[still : until + 1] - p[still]) @ ahead))
 
 
 def _approached(t: Transition) -> Pose:
