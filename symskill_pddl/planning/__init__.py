@@ -13,6 +13,7 @@ from symskill_pddl.planning.explain import Effort, explain, nearest_goal, why_no
 from symskill_pddl.planning.kairos import Kairos
 from symskill_pddl.planning.lpg import LPG
 from symskill_pddl.planning.mimir import Mimir
+from symskill_pddl.planning.own import Own
 from symskill_pddl.planning.protocol import NO_EXTRA_COSTS, Limits, Planner, PlanResult, Session, Status, Step, session
 from symskill_pddl.planning.pyperplan import Pyperplan
 from symskill_pddl.planning.search import Builtin
@@ -31,6 +32,7 @@ __all__ = [
     "Kairos",
     "Limits",
     "Mimir",
+    "Own",
     "PlanResult",
     "Planner",
     "Pyperplan",
@@ -52,7 +54,7 @@ _READERS: dict[str, type[Reader]] = {"kairos": Kairos, "mimir": Mimir, "fast-dow
 """The engines of the extra `[planners]`."""
 _FAMILIES = (
     "pyperplan[:SEARCH:HEURISTIC], kairos[:DIALECT], mimir, fast-downward[:DIALECT][:optimal], lpg[:DIALECT], "
-    "unified-planning:ENGINE, 'command:PROGRAM {domain} {problem}'"
+    "unified-planning:ENGINE, 'command:PROGRAM {domain} {problem}', MODULE:NAME (a planner class of your own)"
 )
 
 
@@ -107,6 +109,8 @@ def get(name: str = "auto") -> Planner:
         if family == "fast-downward" and words[-1:] == ["optimal"]:
             return _checked(FastDownward(":".join(words[:-1]), optimal=True))
         return _checked(_READERS[family](":".join(words)))
+    if rest.isidentifier() and Own.exists(family):
+        return Own(family, rest)
     raise InputError(f"unknown planner '{name}'; there are: {alternatives(p.name for p in known)}; families: {_FAMILIES}")
 
 
