@@ -25,6 +25,8 @@ class Effort:
     """What an explanation may look at; a second or two of each."""
 
     ground_operators: int = 50_000
+    matches: int = 1_000_000
+    """Facts and objects tried for them."""
     facts: int = 10_000_000
     """Reached facts, for steps that are nearly applicable."""
     pairs: int = 5_000_000
@@ -82,7 +84,7 @@ class _Explained:
         self._steps: tuple[GroundOperator, ...] | None = None
         self._reached: dict[Atom, int] = {}
         with suppress(TooLargeError):
-            self._steps, self._reached = reachable(domain, problem, limit=effort.ground_operators)
+            self._steps, self._reached = reachable(domain, problem, limit=effort.ground_operators, matches=effort.matches)
 
     @cached_property
     def pairs(self) -> Pairs:

@@ -53,7 +53,7 @@ class Task:
 
 
 def reachable(
-    domain: Domain, problem: Problem, *, deadline: float = float("inf"), limit: int = 200_000
+    domain: Domain, problem: Problem, *, deadline: float = float("inf"), limit: int = 200_000, matches: float = float("inf")
 ) -> tuple[tuple[GroundOperator, ...], dict[Atom, int]]:
     """Ground operators whose positive preconditions can be reached, and every reached atom with its layer of discovery.
 
@@ -61,11 +61,13 @@ def reachable(
     ----------
     deadline : float
         On `time.monotonic` [s].
+    matches : float
+        Facts and choices of objects that are tried for preconditions and parameters, at most.
 
     Raises
     ------
     OutOfTimeError, TooLargeError
-        The deadline passed, or there are more than `limit` ground operators.
+        The deadline passed, or there are more than `limit` ground operators or than `matches`.
     """
     check_domain(domain)
     check_problem(domain, problem)
@@ -82,6 +84,17 @@ def reachable(
     reached: dict[Atom, int] = dict.fromkeys(sorted(problem.init), 0)
     queue = deque(reached)
     ground: dict[Step, GroundOperator] = {}
+
+    tried = 0
+
+    def one_more() -> None:
+        """A join may look at millions of facts and fire nothing."""
+        nonlocal tried
+        tried += 1
+        if tried > matches:
+            raise TooLargeError(f"more than {matches:g} facts and objects to try")
+        if not tried % 256 and time.monotonic() > deadline:
+            raise OutOfTimeError
 
     def fire(op: Operator, binding: Mapping[str, str], layer: int) -> None:
         args = tuple(binding[p.name] for p in op.parameters)
@@ -102,15 +115,15 @@ def reachable(
         if not todo:
             free = [p for p in op.parameters if p.name not in binding]
             for choice in product(*(pools[p.type] for p in free)):
+                one_more()
                 whole = {**binding, **dict(zip((p.name for p in free), choice, strict=True))}
                 if _different(op, whole):
                     yield whole
             return
-        if time.monotonic() > deadline:  # here too: a join may look at millions of facts and fire nothing
-            raise OutOfTimeError
         atom = min(todo, key=lambda a: len(_candidates(a, binding, by_predicate, index)))
         rest = [a for a in todo if a is not atom]
         for fact in tuple(_candidates(atom, binding, by_predicate, index)):
+            one_more()
             if (extended := _match(op, atom, fact, binding, members)) is not None:
                 yield from complete(op, rest, extended)
 

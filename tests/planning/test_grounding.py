@@ -1,6 +1,7 @@
 """The fast grounder against the naive one, and the numbered task against the semantics."""
 
-from itertools import product
+from dataclasses import replace
+from itertools import count, product
 
 import pytest
 from hypothesis import given, settings
@@ -8,6 +9,7 @@ from hypothesis import strategies as st
 from random_domains import atoms, covered_egg, domains, kitchen, problems
 
 from symskill_pddl.planning.grounding import OutOfTimeError, TooLargeError, ground_task, reachable
+from symskill_pddl.symbols import Atom, Domain, Operator, Parameter, Predicate, Problem, Type
 
 
 def naive(domain, problem):
@@ -57,3 +59,29 @@ def test_limits():
         reachable(kitchen(), covered_egg(), deadline=0.0)
     with pytest.raises(TooLargeError, match="more than 3"):
         reachable(kitchen(), covered_egg(), limit=3)
+
+
+def ring(size=13, length=7):
+    """A ring of an odd number of edges, which a graph of two halves does not have: a join that fires nothing."""
+    names = [f"?{i}" for i in range(length)]
+    pre = frozenset(Atom("edge", (one, two)) for one, two in zip(names, [*names[1:], names[0]], strict=True))
+    operator = Operator("ring", tuple(Parameter(name, "t") for name in names), pre, frozenset({Atom("done")}), frozenset())
+    domain = Domain("d", (Type("t"),), (Predicate("edge", ("t", "t")), Predicate("done")), (operator,))
+    init = frozenset(Atom("edge", (f"o{i}", f"o{j}")) for i in range(size) for j in range(size) if (i + j) % 2)
+    return domain, Problem("p", "d", tuple((f"o{i}", "t") for i in range(size)), init, frozenset({Atom("done")}))
+
+
+def test_a_join_that_ends_nowhere_is_bounded(monkeypatch):
+    with pytest.raises(TooLargeError, match="more than 1000 facts and objects to try"):
+        reachable(*ring(), matches=1000)
+    ticks = count(0.0, 1.0)
+    monkeypatch.setattr("time.monotonic", lambda: next(ticks))
+    with pytest.raises(OutOfTimeError):
+        reachable(*ring(), deadline=10.0)
+
+
+def test_free_parameters_are_counted_too():
+    domain, problem = ring()
+    bare = replace(domain, operators=(replace(domain.operators[0], pre=frozenset()),))
+    with pytest.raises(TooLargeError, match="to try"):
+        reachable(bare, problem, matches=1000)
