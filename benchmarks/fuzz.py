@@ -174,6 +174,9 @@ def run(name: str, folder: Path, first: int, end: float, tally: Tally, keep: Pat
                 hung = f"hang: over {LIMIT_S:g} s of processor time"
                 found(name, folder, number, hung if status == -signal.SIGPROF else f"ended with {status}", tally, keep)
                 return number + 1
+            if not line.startswith(b"{"):
+                found(name, folder, number, "outside: prints to standard output", tally, keep)
+                continue
             said = json.loads(line)
             began = True
             number = said.get("begin", number)

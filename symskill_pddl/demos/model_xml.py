@@ -7,6 +7,7 @@ change the bodies themselves (`include`, `attach`, `replicate`, ...) is refused.
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ET
 from typing import Any, NoReturn
 from xml.parsers import expat
@@ -46,6 +47,8 @@ _INSIDE = {
 _INSIDE["body"] = _INSIDE["frame"] = _INSIDE["worldbody"]
 _REFUSED = {"include", "attach", "replicate", "composite", "flexcomp"}
 """They would make bodies of what does not stand there."""
+_TEXTS = {"name", "class", "childclass"}
+_NO_NUMBER = re.compile(r"(?i)\b[+-]?(nan|inf|infinity)\b")
 _ASSET_GEOMS = ("mesh", "hfield", "sdf")
 
 
@@ -83,6 +86,9 @@ def _copy_inside(there: ET.Element, here: ET.Element) -> None:
             continue
         allowed = _KEPT.get(child.tag, set())
         copy = ET.SubElement(here, child.tag, {key: value for key, value in child.attrib.items() if key in allowed})
+        # MuJoCo would print a warning, and write it into a file where we run
+        if bad := next((k for k, v in copy.attrib.items() if k not in _TEXTS and _NO_NUMBER.search(v)), None):
+            raise FormatError(f"the model's <{child.tag}> has a '{bad}' that is no number")
         _copy_inside(child, copy)
 
 

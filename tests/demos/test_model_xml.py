@@ -98,6 +98,8 @@ def test_nothing_that_names_a_file_is_kept_within_a_body(inside):
         ),
         ("<mujoco><worldbody>" + "<body>" * 100_000, "elements, or 200 within one another"),
         (model(world="<body/>" * 200_001), "more than 200000 elements"),
+        (model(geom='pos="0 NaN 0"'), "the model's <geom> has a 'pos' that is no number"),
+        (model(world='<body pos="-inf 0 0"/>'), "the model's <body> has a 'pos' that is no number"),
         ("<mujoco>", "not well-formed XML"),
         ("", "not well-formed XML"),
         ("\ud800", "no Unicode"),
