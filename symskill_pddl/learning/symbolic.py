@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symskill_pddl.abstraction import Classifier, GripperRule, abstract_recording, one_place_along
-from symskill_pddl.demos import Demo, extent_conflicts, merged_extents
+from symskill_pddl.demos import Demo, extent_conflicts, merged_extents, without_freezes
 from symskill_pddl.errors import LearningError
 from symskill_pddl.learning.config import LearnConfig
 from symskill_pddl.learning.episodes import segment_all
@@ -79,7 +79,7 @@ def learn_symbols(
     LearningError
         If nothing moves, or no operator comes out.
     """
-    config, demos = config or LearnConfig(), tuple(demos)
+    config, demos = config or LearnConfig(), tuple(map(without_freezes, demos))
     extents = merged_extents(demos)
     scaled = config.relations.scaled(aperture_of(demos), config.hints)
     progress("segments")
