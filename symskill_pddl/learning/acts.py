@@ -19,6 +19,8 @@ from symskill_pddl.scene import GRIPPER
 
 REACH = 2.0
 """A hand farther than this from an object's box, in A, does not move it: trackers' frames are off by as much."""
+ABOUT = 6.0
+"""As `REACH`, from the origin of an object of unknown size."""
 SETTLES = 0.5
 """What comes to rest so soon, in tau, after a recording begins falls into place; nobody moves it."""
 LONGEST_REST = 2.0
@@ -132,7 +134,9 @@ def _judged(measured: Measured, act: Act) -> Act:
     larger = np.maximum(np.sum(moved**2, axis=-1), np.sum(hand**2, axis=-1))
     along = np.clip(np.sum(moved * hand, axis=-1) / np.where(larger > 0.0, larger, 1.0), 0.0, 1.0)
     near = _near(measured, act)
-    fingers = float(np.ptp(measured.demo.aperture[act.start : act.stop])) > measured.config.slight * measured.A
+    span = slice(act.start, act.stop)
+    wrist_m = float(np.linalg.norm(np.ptp(measured.demo.T_world_ee.p[span], axis=0)))
+    fingers = float(np.ptp(measured.demo.aperture[span])) > measured.config.slight * measured.A > 0.5 * wrist_m
     with_hand = float(way @ along) > measured.config.along * float(way.sum()) or (near and fingers)
     closings = {span: _closing(measured, act, span) for span in act.spans}
     held = {span: closing for span, closing in closings.items() if closing is not None}
@@ -155,11 +159,12 @@ def _steps(measured: Measured, act: Act, taus: float) -> tuple[Array, Array, Int
 
 
 def _near(measured: Measured, act: Act) -> bool:
-    """Whether the hand is near the object's box while it moves; without extents it may be anywhere about it."""
+    """Whether the hand is near the object's box while it moves; without extents, whether it is anywhere about it."""
     half = measured.demo.extents.get(measured.demo.objects[act.obj])
     span = slice(act.start, act.stop)
     p = np.abs((measured.demo.pose(act.obj)[span].inverse() @ measured.demo.T_world_ee[span]).p)
-    return half is None or bool(np.median(np.linalg.norm(np.maximum(p - np.array(half), 0.0), axis=-1)) < REACH * measured.A)
+    outside = p if half is None else np.maximum(p - np.array(half), 0.0)
+    return bool(np.median(np.linalg.norm(outside, axis=-1)) < (ABOUT if half is None else REACH) * measured.A)
 
 
 def _closing(measured: Measured, act: Act, span: Span) -> int | None:
