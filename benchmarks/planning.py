@@ -31,6 +31,7 @@ from planning_plot import svg  # noqa: E402
 from symskill_pddl.pddl import exported, read_domain, read_problem, write_domain, write_problem  # noqa: E402
 from symskill_pddl.planning import Auto, Limits, Planner, Status, planners, session  # noqa: E402
 from symskill_pddl.planning.text import Answer, Ask, Reader, Text, text_of  # noqa: E402
+from symskill_pddl.planning.worker import POOL  # noqa: E402
 from symskill_pddl.symbols import Atom, Domain, Plan, Problem  # noqa: E402
 
 SIZES = (2, 5, 10, 20, 50, 100)
@@ -163,9 +164,9 @@ def overhead(domain: Domain, problem: Problem, task: str, size: int) -> Overhead
 
 
 def processor_s() -> float:
-    """Processor time of this process and of its children that have ended [s]."""
+    """Processor time of this process, of its children that have ended, and of the engines' processes for their answers [s]."""
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(u.ru_utime + u.ru_stime for u in used)
+    return sum(u.ru_utime + u.ru_stime for u in used) + POOL.processor_s
 
 
 Times = tuple[float | None, float | None]

@@ -19,6 +19,7 @@ import time
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import prod
 from typing import NamedTuple
 
@@ -93,13 +94,21 @@ class Auto(BySession):
         return AutoSession(domain, objects)
 
 
-class _Known(NamedTuple):
-    """The last plan."""
+@dataclass(frozen=True)
+class _Known:
+    """The last plan; its moves are made when they are asked for, as a session may be asked only once."""
 
     goal: State
-    moves: tuple[Move[GroundOperator], ...]
-    numbered: Numbered
+    plan: Plan
     planner: str
+    domain: Domain
+    types: Mapping[str, str]
+
+    @cached_property
+    def moves(self) -> tuple[Numbered, tuple[Move[GroundOperator], ...], int]:
+        """Numbers of atoms, moves and goal."""
+        numbered = Numbered()
+        return numbered, tuple(numbered.move(s) for s in self.plan.ground(self.domain, self.types)), numbered.mask(self.goal)
 
 
 @dataclass
@@ -136,7 +145,8 @@ class AutoSession:
             self._failed.add((engine, goal))
             said = found.messages[0] if found.messages else "without a word"
             turned_away += f"; {engine.name} {found.status.value} before ({said})"
-        self._keep(found, goal)
+        if found.plan is not None:
+            self._last = _Known(goal, found.plan, found.planner, self.domain, self._types)
         messages = (*found.messages, f"auto took {found.planner}: {choice.why}{turned_away}")
         return PlanResult(found.status, found.plan, time.monotonic() - start, messages, found.planner)
 
@@ -145,14 +155,6 @@ class AutoSession:
             self._open[engine] = session(engine, self.domain, self.objects)
         return self._open[engine]
 
-    def _keep(self, found: PlanResult, goal: State) -> None:
-        if found.plan is None:
-            return
-        numbered = Numbered()
-        moves = tuple(numbered.move(step) for step in found.plan.ground(self.domain, self._types))
-        numbered.mask(goal)
-        self._last = _Known(goal, moves, numbered, found.planner)
-
     def _kept(self, init: State, goal: State, extra_costs: Mapping[Step, float]) -> PlanResult | None:
         """What is left of the last plan, if that is a plan from here."""
         if self._last is None or goal != self._last.goal:
@@ -160,8 +162,8 @@ class AutoSession:
         for atom in init - self._checked:
             check_atom(self.domain, atom, self._types, "init")
         self._checked |= init
-        _, moves, numbered, planner = self._last
-        rest = rest_of(moves, numbered.known(init), numbered.mask(goal))
+        (numbered, moves, wanted), planner = self._last.moves, self._last.planner
+        rest = rest_of(moves, numbered.known(init), wanted)
         if rest is None:
             return None
         steps = shortened(self.domain, self._types, (m.of for m in rest), init, goal)
