@@ -15,6 +15,8 @@ ARENAS = {"kitchen": "symskill_pddl.kitchen.arena:ARENA", "robocasa": "symskill_
 """Where each is: the module, and what the arena is called there."""
 DEFAULT = "kitchen"
 """Where nothing else is said."""
+MAX_SEED = 2**31 - 1
+"""What the random generators of every world take."""
 
 
 @lru_cache
@@ -32,7 +34,8 @@ def arena_named(name: str) -> Arena:
 
     where = ARENAS.get(name, name)
     module, colon, attribute = where.partition(":")
-    if not (module and colon and attribute):
+    # a leading dot would be relative to a package, and there is none here
+    if not (module and colon and attribute) or module.startswith("."):
         raise InputError(f"unknown world '{name}'; there are: {alternatives(ARENAS)}; or say MODULE:NAME for one of your own")
     try:
         found = getattr(import_module(module), attribute)
@@ -42,6 +45,14 @@ def arena_named(name: str) -> Arena:
         members = alternatives(member for member in vars(Arena) if not member.startswith("_"))
         raise InputError(f"world '{name}': what is there is no arena, which has: {members}")
     return found
+
+
+def check_seed(seed: int) -> None:
+    """Raise `InputError` for a seed that no world takes."""
+    if seed < 0:
+        raise InputError(f"a seed is at least 0, got {seed}")
+    if seed > MAX_SEED:
+        raise InputError(f"a seed is at most {MAX_SEED}, got {seed}")
 
 
 def ready(name: str, task: str | None = None) -> Arena:

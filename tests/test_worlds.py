@@ -3,7 +3,7 @@ from toy_arena import ToyArena
 
 from symskill_pddl.arena import Arena, Disturbed, Filmable, Recordable
 from symskill_pddl.errors import InputError, MissingDependencyError
-from symskill_pddl.worlds import ARENAS, DEFAULT, arena_named, check_task, ready
+from symskill_pddl.worlds import ARENAS, DEFAULT, MAX_SEED, arena_named, check_seed, check_task, ready
 
 
 @pytest.mark.parametrize("name", ARENAS)
@@ -45,6 +45,7 @@ def test_one_of_your_own() -> None:
         ("moon", "unknown world 'moon'; there are: kitchen.*; or say MODULE:NAME"),
         ("", "unknown world ''"),
         (":ARENA", "unknown world ':ARENA'"),
+        ("..toy_arena:ARENA", "unknown world '..toy_arena:ARENA'"),
         ("no_such_module:ARENA", "world 'no_such_module:ARENA': No module named 'no_such_module'"),
         ("toy_arena:MOON", "world 'toy_arena:MOON': module 'toy_arena' has no attribute 'MOON'"),
         ("toy_arena:NO_ARENA", "is no arena, which has: check_disturbance, name, open, presets, tasks"),
@@ -53,6 +54,14 @@ def test_one_of_your_own() -> None:
 def test_a_world_that_is_not_there(name: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
         arena_named(name)
+
+
+@pytest.mark.parametrize("seed", [-1, 2**31, 2**64])
+def test_a_seed_that_no_world_takes(seed: int) -> None:
+    check_seed(0)
+    check_seed(MAX_SEED)
+    with pytest.raises(InputError, match=f"a seed is at (least|most) .*, got {seed}"):
+        check_seed(seed)
 
 
 def test_a_task_that_is_not_there() -> None:

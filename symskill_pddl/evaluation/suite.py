@@ -18,7 +18,7 @@ from symskill_pddl.execution.trace import TraceWriter
 from symskill_pddl.files import TRACE, draft
 from symskill_pddl.library import Library
 from symskill_pddl.planning import get
-from symskill_pddl.worlds import DEFAULT, arena_named, check_task
+from symskill_pddl.worlds import DEFAULT, arena_named, check_seed, check_task
 
 ERROR = "not run"
 """Category of an episode that could not be set up; it counts as a failure."""
@@ -42,6 +42,7 @@ class Suite:
             raise InputError(
                 f"an evaluation needs at least one trial and a seed of at least 0, got {self.trials} and {self.seed}"
             )
+        check_seed(self.seed + self.trials - 1)
         if not self.tasks or len(set(self.tasks)) != len(self.tasks):
             raise InputError(f"an evaluation needs one or more different tasks, got: {', '.join(self.tasks) or 'none'}")
         arena = arena_named(self.world)

@@ -24,7 +24,7 @@ from symskill_pddl.library import Library
 from symskill_pddl.pddl import Names, read_atoms
 from symskill_pddl.planning import Planner
 from symskill_pddl.symbols import Domain, Problem, State
-from symskill_pddl.worlds import DEFAULT, arena_named, check_task
+from symskill_pddl.worlds import DEFAULT, arena_named, check_seed, check_task
 
 JUDGE = "judge disagrees"
 """Category of a run whose goal atoms hold and whose judge, who sees the simulator's own state, saw no success."""
@@ -91,8 +91,7 @@ def prepare(
     """
     arena = arena_named(world)
     check_task(arena, task)
-    if seed < 0:
-        raise InputError(f"a seed is at least 0, got {seed}")
+    check_seed(seed)
     for spec in disturbances:
         arena.check_disturbance(spec)
     opened = arena.open(task, seed, disturbances)

@@ -29,6 +29,8 @@ _IDLE = 2
 """Processes kept for one engine while nobody asks."""
 _LOADED = 8
 """Domains kept in one process; the one that was not used for longest is dropped first."""
+_LONGEST_S = 1e6
+"""Longer than anybody waits [s]; what an engine's own clock, an alarm or `select` takes as a limit ends somewhere."""
 _handles = count(1)
 
 
@@ -170,7 +172,7 @@ class Remote:
 
     def ask(self, time_s: float, memory_mb: int | None, **question: Any) -> serve.Reply:
         """Ask; never later than a fifth more than the limit, nor by more than a twentieth of a second where that is longer."""
-        begin = time.monotonic()
+        begin, time_s = time.monotonic(), min(time_s, _LONGEST_S)
         name = self._engine.rpartition(".")[2]
         worker = POOL.take(self._engine, self._handle)
         try:

@@ -30,6 +30,11 @@ def test_it_answers_and_is_kept():
     assert POOL.processor_s > 0.0
 
 
+@pytest.mark.parametrize("time_s", [float("inf"), 1e308])
+def test_a_limit_longer_than_any_clock_is_one(time_s):
+    assert remote().ask(time_s, None, args=()).status == "solved"
+
+
 @pytest.mark.parametrize(
     ("how", "said"),
     [
