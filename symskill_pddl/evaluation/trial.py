@@ -10,7 +10,6 @@ import numpy as np
 
 from symskill_pddl.abstraction import abstract, one_place
 from symskill_pddl.arena import Disturbed, OpenEpisode
-from symskill_pddl.errors import InputError
 from symskill_pddl.evaluation.goals import goal_atoms, resting_atoms
 from symskill_pddl.evaluation.posed import placed, unlike
 from symskill_pddl.evaluation.results import EpisodeResult, count
