@@ -72,6 +72,8 @@ def problem(
         raise InputError("say where the problem comes from: --task TASK of a world, or --from demos.hdf5:demo_0@0s")
     if goal_at is not None and (moment is None or goal is not None):
         raise InputError("--goal-at belongs to --from, and stands in place of --goal")
+    if task is not None:
+        ready(world, task)
     learned = work.open_library(library)
     options.output(output, PROBLEM, force=force, inputs=[library, names])
     posed: Episode | Moment
@@ -96,7 +98,6 @@ def _episode_problem(
 ) -> tuple[Episode, list[str]]:
     from symskill_pddl.evaluation.trial import prepare
 
-    ready(world, task)
     with progress(f"setting up {task}, seed {seed}"):
         return prepare(learned, task, seed, world=world, goal=goal, domain_name=name), [f"task {task}, seed {seed}"]
 
