@@ -33,6 +33,8 @@ class FitConfig:
     min_motion_m: float = 1e-3
     min_rotation_rad: float = 0.01
     """Demonstrations that stay within these of their goal hold no path, only a goal."""
+    in_place_m: float = 0.015
+    """A hand that stays within this of its goal turns in place, however it wanders; its rotation waits for no position."""
     max_condition: float = 50.0
     """Largest condition number of the learned metric P."""
     spread: float = 0.06

@@ -100,6 +100,6 @@ def fit_field(trajectories: Sequence[Trajectory], config: FitConfig) -> Field:
     errors = [(t.T_frame_ee.p - goal_p, orientation.error(t.T_frame_ee.q)) for t in trajectories]
     pairing = Pairing.none()
     # who turns in place is not in step with a position: what wanders a little, and does not move on in a grip that holds it
-    if max(float(np.linalg.norm(e_p, axis=-1).max()) for e_p, _ in errors) > config.tolerance_m:
+    if max(float(np.linalg.norm(e_p, axis=-1).max()) for e_p, _ in errors) > config.in_place_m:
         pairing = fit_pairing(errors, P)
     return Field(position, orientation, P, pairing)

@@ -247,7 +247,7 @@ def test_a_turn_in_place_does_not_wait_for_a_position_that_is_held():
         rng = np.random.default_rng(seed)
         times = np.linspace(0, 3, 60)
         s = np.linspace(0, 1, 60)
-        p = np.outer(1 - s, rng.uniform(-0.003, 0.003, 3)) + 0.001 * np.sin(3 * s)[:, None]
+        p = np.outer(1 - s, rng.uniform(-0.007, 0.007, 3)) + 0.001 * np.sin(3 * s)[:, None]
         return Trajectory(times, Pose(p, quat_exp(np.outer(1.6 * (1 - s), [0, 0, 1.0]))))
 
     (turning,) = fit_fields([twist(seed) for seed in range(6)], FitConfig())
