@@ -1,10 +1,12 @@
-"""`auto`: for each problem the engine that is quickest on such problems, of those installed; and no engine where none is needed.
+"""`auto`: for each problem the engine that suits it best, of those installed; and no engine where none is needed.
 
-Measured (docs/benchmarks-planning.md), Kairos is the quickest from a dozen ground operators to a hundred thousand. Its way of
-searching is chosen by the number of goal atoms that do not hold: with few, its greedy search with FF's heuristic is up to three
-times as quick as what it chooses itself, which takes one goal atom after the other where there are many. Without Kairos there are
-Mimir, for as many states as its patience lasts, and `builtin`, which needs nothing installed. An engine that breaks is followed
-by the next.
+What costs a robot time is the plan, not the planning: one step takes it seconds. So where the problem is small,
+`builtin` plans, whose plans are the cheapest. Beyond, Kairos is the quickest, up to a hundred thousand ground
+operators (docs/benchmarks-planning.md); its plans may have a step or two to spare. Its way of searching is chosen by
+the number of goal atoms that do not hold: with few, its greedy search with FF's heuristic is up to three times as
+quick as what it chooses itself, which takes one goal atom after the other where there are many. Without Kairos there
+are Mimir, for as many states as its patience lasts, and `builtin`, which needs nothing installed. An engine that
+breaks is followed by the next.
 
 A session first looks whether what is left of the last plan still reaches the goal: then there is nothing to search for. That is
 never longer than the rest of that plan, but another plan may be shorter where somebody else has helped meanwhile; the messages
@@ -32,6 +34,8 @@ from symskill_pddl.planning.search import Builtin
 from symskill_pddl.planning.shorten import Move, rest_of
 from symskill_pddl.symbols import Atom, Domain, GroundOperator, Plan, State, check_atom
 
+SMALL = 150
+"""Bindings of all operators to objects of their types, up to which `builtin` plans: some milliseconds of work."""
 FEW = 8
 """Goal atoms that do not hold, up to which greedy search goes first."""
 HEAD_START = 0.25
@@ -58,6 +62,8 @@ def choices(domain: Domain, objects: Objects, unmet: int) -> tuple[Choice, ...]:
     unmet : int
         Goal atoms that do not hold.
     """
+    if bindings(domain, objects) <= SMALL:
+        return (Choice(Builtin(), 1.0, "a small problem, whose cheapest plan is soon found"),)
     found: list[Choice] = []
     if Kairos.installed():
         if unmet <= FEW:

@@ -42,7 +42,15 @@ def installed(monkeypatch, *families):
         monkeypatch.setattr(family, "module", "sys" if family in families else "no_such_module")
 
 
+def test_where_the_problem_is_small_the_cheapest_plan_is_found(monkeypatch):
+    installed(monkeypatch, auto.Kairos, auto.Mimir)
+    assert auto.bindings(kitchen(), covered_egg().objects) <= auto.SMALL
+    (choice,) = auto.choices(kitchen(), covered_egg().objects, 1)
+    assert choice.engine.name == "builtin"
+
+
 def test_few_goal_atoms_and_many(monkeypatch):
+    monkeypatch.setattr(auto, "SMALL", 0)
     installed(monkeypatch, auto.Kairos)
     few, many = (auto.choices(kitchen(), covered_egg().objects, n) for n in (auto.FEW, auto.FEW + 1))
     assert [(c.engine.name, getattr(c.engine, "search", "")) for c in few] == [
@@ -54,6 +62,7 @@ def test_few_goal_atoms_and_many(monkeypatch):
 
 
 def test_without_engines_there_is_builtin(monkeypatch):
+    monkeypatch.setattr(auto, "SMALL", 0)
     installed(monkeypatch)
     planner, why = taken(get().solve(kitchen(), covered_egg()))
     assert planner == "builtin"
@@ -61,6 +70,7 @@ def test_without_engines_there_is_builtin(monkeypatch):
 
 
 def test_mimir_is_for_operators_that_cost_the_same(monkeypatch):
+    monkeypatch.setattr(auto, "SMALL", 0)
     installed(monkeypatch, auto.Mimir)
     same = replace(kitchen(), operators=tuple(replace(op, cost=1.0) for op in kitchen().operators))
     assert [c.engine.name for c in auto.choices(same, covered_egg().objects, 1)] == ["mimir", "builtin"]
