@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from symskill_pddl.cli import answers, options, work
+from symskill_pddl.cli import options, work
 from symskill_pddl.cli.console import emit_json, progress, remark, say, table
 from symskill_pddl.errors import InputError, NoPlanError
 from symskill_pddl.files import PLAN, PROBLEM, sealed
-from symskill_pddl.pddl.plan import write_plan
 from symskill_pddl.worlds import DEFAULT, ready
 
 if TYPE_CHECKING:
@@ -145,6 +144,8 @@ def plan(
         remark(line)
     limits = Limits(time_s=timeout)
     file = options.output(output, PLAN, force=force, inputs=[domain, problem]) if output is not None else None
+    from symskill_pddl.cli import answers  # loads the planners
+
     if all_engines:
         found = answers.of_all(task, limits, any_plan=any_plan)
     elif k != 1:
@@ -159,6 +160,8 @@ def plan(
             raise NoPlanError(f"'{problem}' has no plan: {found.status}")
         raise typer.Exit(1)
     if file is not None:
+        from symskill_pddl.pddl.plan import write_plan
+
         file.write(sealed(write_plan(best), last=True))
     elif not json:
         found.show()

@@ -198,7 +198,7 @@ def test_no_flipped_byte_changes_what_is_read(saved):
 def test_other_files_are_refused(tmp_path):
     path = tmp_path / "notes.hdf5"
     path.write_text("not HDF5")
-    refused(path, "not a readable HDF5 file")
+    refused(path, "is no HDF5 file but a text file")
     with h5py.File(path, "w") as file:
         file["x"] = 1
     refused(path, "data: there is no such group; the file has: x")

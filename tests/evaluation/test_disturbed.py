@@ -24,7 +24,7 @@ from symskill_pddl.planning import Builtin
 
 pytestmark = pytest.mark.simulation
 
-QUICK = LearnConfig(skills=SkillConfig(max_fields=2))
+QUICK = LearnConfig(skills=SkillConfig(max_fields=4))
 TASKS = ("PnPCounterToCab", "OpenDrawer", "OpenSingleDoor", "PnPStoveToCounter", "TurnOnStove", "TurnOnSinkFaucet")
 KNOB_2 = "(knob-turned knob-2 stove-2)"
 
