@@ -69,7 +69,7 @@ FATAL = [
     ("OpenDrawer", ("close-drawer@t=0",), "drawer-open", None),
     ("TurnOnStove", ("close-knob@t=0",), "knob-turned", None),
     ("CookDinner", ("close-knob-2@t=0",), "knob-turned", KNOB_2),
-    ("TurnOnSinkFaucet", ("close-lever@t=0",), "lever-turned", None),
+    ("TurnOnSinkFaucet", ("close-lever@op=1",), "lever-turned", None),
     # the hand goes where the thing was
     ("PnPCounterToCab", ("freeze:6s@t=0", "shift:8cm@t=0.1"), "food-in-cabinet", None),
     # the hand is torn off the drawer's handle
@@ -100,7 +100,7 @@ def test_with_it_the_run_plans_again_and_succeeds(
 
 @pytest.mark.parametrize(
     ("task", "spec", "missed"),
-    [("PnPCounterToCab", "shift@t=1", "food-in-cabinet"), ("PnPStoveToCounter", "move-plate@op=1", "food-on-container")],
+    [("PnPCounterToCab", "shift@t=1", "food-in-cabinet"), ("PnPStoveToCounter", "move-plate:12cm@op=1", "food-on-container")],
 )
 def test_fields_that_follow_their_frames_absorb_it_and_others_fail(of_tasks: Library, task: str, spec: str, missed: str) -> None:
     assert run(of_tasks, task, (spec,)).success
@@ -110,7 +110,7 @@ def test_fields_that_follow_their_frames_absorb_it_and_others_fail(of_tasks: Lib
 
 
 def test_without_tracking_the_monitor_makes_up_for_a_plate_that_is_moved(of_tasks: Library) -> None:
-    result = run(of_tasks, "PnPStoveToCounter", ("move-plate@op=1",), monitor=True, track=False)
+    result = run(of_tasks, "PnPStoveToCounter", ("move-plate:12cm@op=1",), monitor=True, track=False)
     assert result.success
     assert result.replans >= 1
 
